@@ -27,7 +27,7 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang};
 
 /// A format that releases are exported to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -129,7 +129,7 @@ pub struct Exported {
     /// Samples that are not in the export, or that the consumer's loader would drop, by reason.
     pub left_out: BTreeMap<String, Vec<String>>,
     /// Notes for the user: options to set, data that the format cannot hold.
-    pub notes: Vec<String>,
+    pub notes: Vec<Bilingual>,
 }
 
 impl TraceLanguage {
@@ -145,6 +145,28 @@ impl TraceLanguage {
 
 /// Reason for leaving out a sample for which [`traces`] returns nothing.
 const NO_TRACE: &str = "no trace in this language";
+
+/// Reasons for leaving out a sample, in Chinese.
+const REASONS: &[(&str, &str)] = &[
+    (NO_TRACE, "没有这种语言的因果描述"),
+    (
+        "a pose, speed, acceleration or yaw rate of the ego is unknown",
+        "自车的位姿、速度、加速度或横摆角速度未知",
+    ),
+    (
+        "a frame's pose, speed, acceleration or yaw rate is unknown",
+        "某一帧的位姿、速度、加速度或横摆角速度未知",
+    ),
+    ("another rate than the samples before", "频率与前面的样本不同"),
+    ("images: ffmpeg is not installed", "图像：没有安装 ffmpeg"),
+    ("images: ffmpeg could not encode them", "图像：ffmpeg 无法编码"),
+];
+
+/// A reason of [`Exported::left_out`] for people.
+pub fn reason_text(reason: &str) -> Bilingual {
+    let zh = REASONS.iter().find(|(en, _)| *en == reason).map_or(reason, |(_, zh)| *zh);
+    Bilingual::new(zh, reason)
+}
 
 /// The traces of a sample in the requested languages.
 fn traces(sample: &Sample, choice: TraceLanguage) -> Vec<(Lang, &str)> {

@@ -5,7 +5,8 @@
 use crate::yaml_text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use whyroad_model::{Bilingual, Diagnostic, ScenarioId, yaml};
+use whyroad_model::yaml::{self, Node};
+use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
 /// Name of the file in a framework.
 pub const CALIBRATION_FILE: &str = "schema/calibration.yaml";
@@ -105,33 +106,48 @@ impl Calibration {
     /// From the text of the file; `file` is named in diagnostics. A table with an error is not used at all: scores from
     /// a part of it would not be comparable.
     pub fn parse(file: &str, text: &str) -> (Calibration, Vec<Diagnostic>) {
-        let fault = |message: Bilingual| {
-            let hint = Bilingual::new(
-                "用 `whyroad calibrate` 重新生成该文件",
-                "write the file again with `whyroad calibrate`",
-            );
-            let d = Diagnostic::error("calibration.file", message).in_file(file).with_hint(hint);
-            (Calibration::default(), vec![d])
-        };
         let what = Bilingual::new("校准表", "the calibration table");
-        let table: Calibration = match yaml_text::read("calibration.file", file, text, what) {
-            Ok((table, _)) => table,
-            Err(finding) => return (Calibration::default(), vec![*finding]),
+        let (mut table, root): (Calibration, Node) =
+            match yaml_text::read("calibration.file", file, text, what) {
+                Ok(read) => read,
+                Err(finding) => return (Calibration::default(), vec![*finding]),
+            };
+        let fault = |nth: usize, message: Bilingual, (zh, en): (&str, &str)| {
+            let node = root.get("classes").and_then(|all| all.items().get(nth));
+            let at = node.map(|n| yaml_text::location(file, text, n.get("id").unwrap_or(n).mark));
+            let hint = Bilingual::new(zh, en);
+            let d = Diagnostic::error("calibration.file", message).in_file(file).with_hint(hint);
+            (Calibration::default(), vec![at.into_iter().fold(d, Diagnostic::at)])
         };
-        for class in &table.classes {
+        for (nth, class) in table.classes.iter().enumerate() {
             let id = &class.id;
             if let Some((zh, en)) = class.fault() {
-                return fault(Bilingual::new(format!("类别 '{id}'：{zh}"), format!("class '{id}': {en}")));
+                let message = Bilingual::new(format!("类别 '{id}'：{zh}"), format!("class '{id}': {en}"));
+                let hint = (
+                    "从此文件的较早版本中取回该条目，或删除它（该类别即不校准）",
+                    "take this entry from an earlier version of the file, or delete it: the class is then not calibrated",
+                );
+                return fault(nth, message, hint);
+            }
+            if table.classes[..nth].iter().any(|c| c.id == *id) {
+                let message = Bilingual::new(
+                    format!("类别 '{id}' 出现了两次"),
+                    format!("class '{id}' is listed twice"),
+                );
+                return fault(nth, message, ("删除两个条目之一", "delete one of the two entries"));
             }
         }
-        if let Some(two) = table.classes.windows(2).find(|two| two[0].id >= two[1].id) {
-            let id = &two[1].id;
-            return fault(Bilingual::new(
-                format!("类别 '{id}' 重复或未按 id 排序"),
-                format!("class '{id}' is listed twice or out of order"),
-            ));
-        }
+        // A class that was renamed by hand is where its old name was.
+        table.classes.sort_by(|a, b| a.id.cmp(&b.id));
         (table, Vec::new())
+    }
+
+    /// Position of the entry of a class in the text of the file.
+    pub fn place(file: &str, text: &str, class: &ScenarioId) -> Option<Location> {
+        let (root, class) = (yaml::parse(text).ok()?, class.to_string());
+        let mut ids = root.get("classes")?.items().iter().filter_map(|entry| entry.get("id"));
+        let id = ids.find(|id| id.text() == Some(class.as_str()))?;
+        Some(yaml_text::location(file, text, id.mark))
     }
 
     /// The table as the text of its file.
@@ -237,6 +253,28 @@ mod tests {
     }
 
     #[test]
+    fn a_class_that_was_renamed_by_hand_may_stay_where_it_is() {
+        let mut swapped = table();
+        swapped.classes.swap(0, 1);
+        assert_eq!(Calibration::parse("f", &swapped.to_yaml().unwrap()), (table(), vec![]));
+    }
+
+    #[test]
+    fn a_faulty_class_is_named_with_its_line() {
+        let mut table = table();
+        table.classes[1].id = table.classes[0].id.clone();
+        let text = table.to_yaml().unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        let second = lines.iter().rposition(|l| *l == format!("- id: {}", table.classes[0].id)).unwrap();
+        let d = &Calibration::parse("f", &text).1[0];
+        assert_eq!((d.location.line, d.location.column), (Some(second + 1), Some(7)));
+        assert!(d.hint.as_ref().unwrap().en.contains("delete one of the two"));
+        let place = Calibration::place("f", &text, &table.classes[0].id).unwrap();
+        let first = lines.iter().position(|l| *l == format!("- id: {}", table.classes[0].id)).unwrap();
+        assert_eq!(place.line, Some(first + 1));
+    }
+
+    #[test]
     fn a_table_that_cannot_be_is_refused() {
         let broken = |change: fn(&mut Calibration)| {
             let mut table = table();
@@ -248,7 +286,7 @@ mod tests {
         broken(|t| t.classes[0].steps[1].share = 0.4);
         broken(|t| t.classes[0].steps[1].judged = 11);
         broken(|t| t.classes[0].interval = [0.9, 1.1]);
-        broken(|t| t.classes.swap(0, 1));
+        broken(|t| t.classes[1].id = t.classes[0].id.clone());
         assert_eq!(Calibration::parse("f", "classes: 3").1[0].code, "calibration.file");
     }
 }

@@ -122,7 +122,8 @@ fn frequent(text: &str, mark: Mark) -> Option<YamlFault> {
     let next = |n: usize| (n + 1..lines.len()).find(has_content).map(|n| lines[n]);
     let of_line = |n: usize| key_fault(lines[n], next(n)).map(|f| f.in_line(n + 1));
     let here = tab(lines[at]).or_else(|| full_width_comma(lines[at]));
-    here.map(|f| f.in_line(at + 1)).or_else(|| of_line(at)).or_else(|| before.and_then(of_line))
+    let here = here.map(|f| f.in_line(at + 1));
+    here.or_else(|| unclosed(&lines, at)).or_else(|| of_line(at)).or_else(|| before.and_then(of_line))
 }
 
 /// A fault in a line: column and length in characters, from 1.
@@ -181,6 +182,58 @@ fn full_width_comma(line: &str) -> Option<LineFault> {
         }
     }
     None
+}
+
+/// Maximum number of lines from a bracket to where the parser notices that it is not closed.
+const MOST_LINES: usize = 50;
+
+/// A bracket that is opened in line `at` or above it and never closed: the parser reports the line that it cannot take
+/// as a part of what is in the bracket.
+fn unclosed(lines: &[&str], at: usize) -> Option<YamlFault> {
+    let is_open = |n: &usize| !still_open(&lines[*n..=*n]).is_empty();
+    let first = (at.saturating_sub(MOST_LINES)..=at).rev().find(is_open)?;
+    let (_, column, bracket) = *still_open(&lines[first..]).iter().rev().find(|(n, ..)| *n == 0)?;
+    let closing = if bracket == '{' { '}' } else { ']' };
+    let fault = LineFault {
+        column: column + 1,
+        span: 1,
+        message: Bilingual::new(format!("'{bracket}' 没有闭合"), format!("'{bracket}' is not closed")),
+        hint: Bilingual::new(
+            format!("在这一项的末尾补上 '{closing}'"),
+            format!("add '{closing}' where it ends"),
+        ),
+    };
+    Some(fault.in_line(first + 1))
+}
+
+/// The brackets of lists and maps that are open at the end of these lines: line and column, from 0, and the bracket. In
+/// quotation marks, in comments and within a word a bracket is text.
+fn still_open(lines: &[&str]) -> Vec<(usize, usize, char)> {
+    let mut open = Vec::new();
+    let mut quote = None;
+    for (n, line) in lines.iter().enumerate() {
+        // The last character but spaces: where a value can begin, it is none, a comma, a colon, a dash or a bracket.
+        let (mut last, mut spaced) = (None, true);
+        for (column, c) in line.chars().enumerate() {
+            let begins =
+                matches!(last, None | Some(',' | '{' | '[')) || (spaced && matches!(last, Some(':' | '-')));
+            match (quote, c) {
+                (Some(q), c) if c == q => quote = None,
+                (Some(_), _) => {}
+                (None, '#') if spaced => break,
+                (None, '"' | '\'') if begins => quote = Some(c),
+                (None, '{' | '[') if begins => open.push((n, column, c)),
+                (None, '}' | ']') => drop(open.pop()),
+                _ => {}
+            }
+            spaced = c.is_whitespace();
+            if !spaced {
+                last = Some(c);
+            }
+        }
+    }
+    // A quotation mark that is not closed hides the brackets behind it.
+    if quote.is_some() { Vec::new() } else { open }
 }
 
 /// A line that begins with a key: what follows the key is wrong. `next` is the next line with content.
@@ -318,6 +371,22 @@ mod tests {
             ("a:\n  when：x\n  min: 2\n", 2, 7, "全角冒号", "full-width colon", "when: "),
             ("a:\n  - when：x\n    min: 2\n", 2, 9, "全角冒号", "full-width colon", "when: "),
             ("a:\n  b: [\"x\"， \"y\"]\n", 2, 10, "全角逗号", "full-width comma", "plain comma"),
+            (
+                "a: 1\nb:\n  c: { v: 3 s, w: \"x\"\n  d: 4\n",
+                3,
+                6,
+                "'{' 没有闭合",
+                "'{' is not closed",
+                "add '}'",
+            ),
+            (
+                "a: 1\nb: [c,\n  d: { e: 1 },\n  \"]\"\nf: 2\n",
+                2,
+                4,
+                "没有闭合",
+                "'[' is not closed",
+                "add ']'",
+            ),
             ("a: 1\nlateral\n  usual: [x]\nb: 2\n", 2, 8, "缺少冒号", "no colon after 'lateral'", "lateral:"),
             ("a:\n\tb: 1\n", 2, 1, "制表符", "a tab", "spaces"),
             (

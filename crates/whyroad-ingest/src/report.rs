@@ -72,7 +72,7 @@ pub struct SourceReport {
     pub outcome: Option<WriteOutcome>,
     /// Frames of the drive.
     pub frames: usize,
-    /// Length of the drive, s.
+    /// Recorded time: its frames at 10 Hz, s.
     pub duration_s: f64,
     /// Tracked objects.
     pub tracks: usize,

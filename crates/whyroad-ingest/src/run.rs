@@ -9,7 +9,8 @@ use crate::report::SourceReport;
 use std::cell::Cell;
 use std::path::PathBuf;
 use whyroad_lake::{Lake, WriteOutcome};
-use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Severity};
+use whyroad_model::scene::FRAME_RATE_HZ;
+use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Severity};
 
 /// Codes of the search for sources.
 pub(crate) const CODES: &[&str] = &["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found"];
@@ -122,10 +123,10 @@ pub fn ingest(source: &Source, options: &Options, lake: &Lake) -> SourceReport {
 
 /// Size of a drive, for its report.
 fn describe(drive: &Drive, report: &mut SourceReport) {
-    let span = (drive.times.first(), drive.times.last());
     report.drive_id = Some(drive.meta.drive_id.clone());
     report.frames = drive.frame_count();
-    report.duration_s = span.0.zip(span.1).map_or(0.0, |(a, b): (&Nanos, &Nanos)| b.seconds_since(*a));
+    // As `lake list`, `inspect` and reports state it: each frame lasts a tenth of a second.
+    report.duration_s = drive.frame_count() as f64 / FRAME_RATE_HZ;
     report.tracks = drive.tracks.len();
     report.missing = drive.meta.missing.clone();
 }

@@ -16,7 +16,7 @@ use crate::interpret::STEP;
 use crate::rule::{OTHER, Rule, RuleSet};
 use file::{CaseFile, CaseText};
 use std::collections::{BTreeMap, BTreeSet};
-use table::table;
+use table::{fault_of_base, lacks_signals, table};
 use whyroad_framework::{Framework, yaml_text};
 use whyroad_model::suggest::{did_you_mean, suggestion};
 use whyroad_model::yaml::{self, DecodeError, Node};
@@ -112,11 +112,17 @@ impl CaseRunner<'_> {
             }
         };
         let nodes = root.get("cases").map_or(&[][..], |n| n.items());
+        if let Some(failures) = self.faults_of_base(file, text, &root, nodes.len()) {
+            tally.failures = failures;
+            tally.unread.insert(file.to_owned());
+            return tally;
+        }
         let l1 = parsed.l1.unwrap_or_else(|| OTHER.to_owned());
         let l2 = ScenarioId { l1, l2: parsed.l2, l3: None };
         let rules = self.rules.restricted_to(std::slice::from_ref(&l2));
         let plan = Plan::of(&rules);
         let mut unruled: BTreeMap<ScenarioId, Unruled> = BTreeMap::new();
+        let mut of_l2 = Vec::new();
         for node in nodes {
             let case: CaseText = match yaml::from_node(node) {
                 Ok(case) => case,
@@ -132,23 +138,66 @@ impl CaseRunner<'_> {
                 unruled.entry(scenario).or_insert(Unruled { cases: 0, first_line: line }).cases += 1;
                 continue;
             };
-            let held = table(case, &parsed.base, self.catalog).and_then(|table| {
-                stated(case, rule, &table)?;
-                expected(case, rule, &mine_planned(&rules, &plan, &table))
-            });
-            if let Err(reason) = held {
-                tally.failures.push(failure(file, line, &case.name, &reason));
-            }
             *tally.cases.entry((scenario, case.kind)).or_default() += 1;
+            if lacks_signals(case, &parsed.base, self.catalog) {
+                continue;
+            }
+            let read = table(case, &parsed.base, self.catalog).and_then(|table| {
+                stated(case, rule, &table)?;
+                Ok(table)
+            });
+            let held = match &read {
+                Ok(table) => {
+                    expected(case, rule, &mine_planned(&rules, &plan, table)).map_err(|r| (r, decide()))
+                }
+                Err(reason) => Err((reason.clone(), correct_the_value())),
+            };
+            if let Err((reason, hint)) = held {
+                let failed = failure(file, line, &case.name, &reason).with_hint(hint);
+                if case.leaf.is_none() { &mut of_l2 } else { &mut tally.failures }.push(failed);
+            }
+        }
+        let for_leaves = self.is_faulty(file) && unruled.keys().any(ScenarioId::is_leaf);
+        match of_l2.first() {
+            Some(first) if for_leaves => {
+                tally.failures.push(unsettled(file, first.location.line, of_l2.len(), &l2))
+            }
+            _ => tally.failures.extend(of_l2),
         }
         tally.failures.extend(self.unruled(file, &unruled));
         tally
     }
 
+    /// Errors of the values that all cases have in common, each where it is written, and a note that no case was run.
+    fn faults_of_base(&self, file: &str, text: &str, root: &Node, cases: usize) -> Option<Vec<Diagnostic>> {
+        let entries = root.get("base").map_or(&[][..], Node::entries);
+        let mut found: Vec<Diagnostic> = Vec::new();
+        for entry in entries {
+            let reason = fault_of_base(&entry.key, entry.node.text().unwrap_or_default(), self.catalog);
+            let Some(reason) = reason else { continue };
+            let message = Bilingual::new(format!("base：{}", reason.zh), format!("base: {}", reason.en));
+            let at = yaml_text::location(file, text, entry.node.mark);
+            found.push(Diagnostic::error("rule.case", message).with_hint(correct_the_value()).at(at));
+        }
+        if found.is_empty() {
+            return None;
+        }
+        let message = Bilingual::new(
+            format!("{cases} 个用例未运行，因为它们共有的值（base）有错误"),
+            format!("{} not run, because values that they have in common (base) have errors", counted(cases)),
+        );
+        found.push(Diagnostic::note("rule.case.skipped", message).in_file(file));
+        Some(found)
+    }
+
+    /// The rule file beside a file of cases has errors.
+    fn is_faulty(&self, file: &str) -> bool {
+        file.strip_suffix(CASES_EXTENSION).is_some_and(|stem| self.faulty.contains(&format!("{stem}.yaml")))
+    }
+
     /// One note for all cases that are not run because of faulty rules; else an error for each class that has no rule.
     fn unruled(&self, file: &str, unruled: &BTreeMap<ScenarioId, Unruled>) -> Vec<Diagnostic> {
-        let rule_file = file.strip_suffix(CASES_EXTENSION).map(|stem| format!("{stem}.yaml"));
-        if rule_file.is_none_or(|f| !self.faulty.contains(&f)) {
+        if !self.is_faulty(file) {
             let one = |(class, u): (&ScenarioId, &Unruled)| {
                 let n = u.cases;
                 let zh = format!("{class} 没有挖掘规则，它的 {n} 个用例未运行");
@@ -178,6 +227,18 @@ fn counted(cases: usize) -> String {
     if cases == 1 { "1 case was".to_owned() } else { format!("{cases} cases were") }
 }
 
+/// The note for cases of an L2 that fail while a leaf below it has no rule: the L2's own rule is silent only where a
+/// leaf knows the variant.
+fn unsettled(file: &str, line: Option<usize>, cases: usize, l2: &ScenarioId) -> Diagnostic {
+    let en = if cases == 1 { "1 case".to_owned() } else { format!("{cases} cases") };
+    let message = Bilingual::new(
+        format!("{l2} 有 {cases} 个用例无法判断：它下面的 L3 场景的规则有错误"),
+        format!("{en} of {l2} cannot be judged: rules of leaves below it have errors"),
+    );
+    let at = Location { file: Some(file.to_owned()), line, ..Location::default() };
+    Diagnostic::note("rule.case.skipped", message).at(at)
+}
+
 /// The finding for a case with a value that it cannot have.
 fn unreadable(file: &str, text: &str, node: &Node, e: &DecodeError) -> Diagnostic {
     let what = match node.get("name").and_then(Node::text) {
@@ -185,6 +246,23 @@ fn unreadable(file: &str, text: &str, node: &Node, e: &DecodeError) -> Diagnosti
         None => Bilingual::new("没有名称的用例", "a case without a name"),
     };
     yaml_text::decoding("rule.case", file, text, what, e)
+}
+
+/// The remedy where rule and case differ.
+fn decide() -> Bilingual {
+    Bilingual::new(
+        "依据类别定义与标注规格判断哪一个正确，修改另一个",
+        "decide from the class and its labeling spec which of the two is right, and change the other",
+    )
+}
+
+/// The remedy where the case cannot be read.
+fn correct_the_value() -> Bilingual {
+    Bilingual::new(
+        "按信号的类型写：数带单位（10 m/s），标志写 true 或 false，类别写其取值；`whyroad signals show` 显示该信号",
+        "write it as the signal is: a number with its unit (10 m/s), true or false, or a value of the category; \
+         `whyroad signals show` shows the signal",
+    )
 }
 
 fn failure(file: &str, line: Option<usize>, name: &str, reason: &Reason) -> Diagnostic {

@@ -37,6 +37,7 @@ pub const CODES: &[&str] = &[
     "rule.target",
     "rule.block",
     "rule.name",
+    "rule.never",
     "rule.precedence",
     "rule.words",
     "rule.case",

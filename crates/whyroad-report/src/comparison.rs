@@ -250,6 +250,12 @@ impl Comparison {
         Change::ALL.into_iter().filter(move |c| with_labels || *c != Change::Relabelled)
     }
 
+    /// The classes that differ: with a change, or with another number of episodes, as a class to which moments of
+    /// another one went.
+    pub fn changed_classes(&self) -> impl Iterator<Item = (&ScenarioId, &ClassComparison)> {
+        self.classes.iter().filter(|(_, of)| !of.changes.is_empty() || of.before != of.after)
+    }
+
     /// Compares the episodes of one drive and target.
     fn add(
         &mut self,

@@ -135,6 +135,15 @@ impl Catalog {
         self.by_name.get(name).map(|&i| (&self.defs[i], TargetRestriction::Any))
     }
 
+    /// A signal of the program whose entry has an error, or is missing, which was reported: that what uses it does not
+    /// find it follows from that. `name` is as a rule writes it; a role of the rule stands for `target`.
+    pub fn lacks(&self, name: &str) -> bool {
+        let of_target = name.split_once('.').map(|(_, rest)| format!("target.{rest}"));
+        let bundled = Self::bundled();
+        let def = bundled.get(name).or_else(|| bundled.get(&of_target?));
+        def.is_some_and(|def| self.get(&def.name).is_none())
+    }
+
     /// Up to three known names similar to `name`, the nearest first: for "did you mean".
     pub fn similar(&self, name: &str) -> Vec<&str> {
         let mut scored: Vec<(f64, &str)> =

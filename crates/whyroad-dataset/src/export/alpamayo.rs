@@ -18,7 +18,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use whyroad_model::Lang;
+use whyroad_model::{Bilingual, Lang};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -44,7 +44,7 @@ const VIDEO_HZ: u32 = 10;
 pub(super) struct Writer {
     clips: Vec<Clip>,
     chunk: Option<Chunk>,
-    preflight: BTreeMap<String, Vec<String>>,
+    preflight: BTreeMap<Bilingual, Vec<String>>,
     /// Clips that the loader takes, whose poses are of another point than its own data.
     box_centre: Vec<String>,
 }
@@ -120,20 +120,17 @@ impl SampleWriter for Writer {
         out.json("navigation.json", &self.navigation())?;
         out.write("training.yaml", self.training().as_bytes())?;
         for (reason, clips) in &self.preflight {
-            out.report.notes.push(format!(
-                "{} of {} clips: {reason} (preflight.json)",
-                clips.len(),
-                self.clips.len()
-            ));
+            out.report.notes.push(of_clips((clips.len(), self.clips.len()), reason));
         }
         if !self.box_centre.is_empty() {
-            let (n, all) = (self.box_centre.len(), self.clips.len());
-            out.report.notes.push(format!("{n} of {all} clips: {} (preflight.json)", box_centre(out)));
+            out.report.notes.push(of_clips((self.box_centre.len(), self.clips.len()), &box_centre(out)));
         }
+        let dropped: BTreeMap<&str, &Vec<String>> =
+            self.preflight.iter().map(|(reason, clips)| (reason.en.as_str(), clips)).collect();
         out.json(
             "preflight.json",
             &json!({
-                "clips": self.clips.len(), "dropped_by_the_loader": self.preflight,
+                "clips": self.clips.len(), "dropped_by_the_loader": dropped,
                 "poses_of_the_box_centre": self.box_centre,
             }),
         )
@@ -253,30 +250,47 @@ impl Writer {
 }
 
 /// Why poses are of the box center, and what to do about it: the loader takes such clips.
-fn box_centre(out: &Output) -> &'static str {
+fn box_centre(out: &Output) -> Bilingual {
     match out.reference {
-        Reference::RearAxle => {
-            "taken by the loader, but poses are of the box center: the log does not state where the rear axle is"
-        }
-        Reference::BoxCentre => {
+        Reference::RearAxle => Bilingual::new(
+            "加载器会读取，但位姿是框中心的：记录没有说明后轴的位置",
+            "taken by the loader, but poses are of the box center: the log does not state where the rear axle is",
+        ),
+        Reference::BoxCentre => Bilingual::new(
+            "加载器会读取，但位姿是框中心的，即 spec 中的 sample.reference；加载器自己的数据以后轴（rear_axle）为准",
             "taken by the loader, but poses are of the box center, as sample.reference in the spec says; rear_axle is \
-             what the loader's own data has"
-        }
+             what the loader's own data has",
+        ),
     }
 }
 
+/// A note on some of all clips.
+fn of_clips((n, all): (usize, usize), what: &Bilingual) -> Bilingual {
+    Bilingual::new(
+        format!("{all} 个片段中的 {n} 个：{}（见 preflight.json）", what.zh),
+        format!("{n} of {all} clips: {} (preflight.json)", what.en),
+    )
+}
+
 /// Why the loader drops a clip.
-fn faults(sample: &Sample, cameras: &[String]) -> Vec<String> {
+fn faults(sample: &Sample, cameras: &[String]) -> Vec<Bilingual> {
     let mut out = Vec::new();
     if sample.history.t_s.first().is_none_or(|t| *t > -HISTORY_S + 0.01) {
-        out.push(format!("less than {HISTORY_S} s of history"));
+        out.push(Bilingual::new(
+            format!("历史不足 {HISTORY_S} s"),
+            format!("less than {HISTORY_S} s of history"),
+        ));
     }
     if sample.future.t_s.last().is_none_or(|t| *t < FUTURE_S - 0.01) {
-        out.push(format!("less than {FUTURE_S} s of future"));
+        out.push(Bilingual::new(
+            format!("未来不足 {FUTURE_S} s"),
+            format!("less than {FUTURE_S} s of future"),
+        ));
     }
     let missing: Vec<&str> = CAMERAS.into_iter().filter(|c| !cameras.iter().any(|have| have == c)).collect();
     if !missing.is_empty() {
-        out.push(format!("cameras are missing: {}", missing.join(", ")));
+        let missing = missing.join(", ");
+        out.push(Bilingual::new(format!("缺少相机：{missing}"), format!("cameras are missing: {missing}")));
     }
     out
 }

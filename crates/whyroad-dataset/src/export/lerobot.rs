@@ -15,6 +15,7 @@ use arrow_schema::{DataType, Field, Fields};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use whyroad_model::Bilingual;
 
 /// State of the vehicle per frame.
 const STATE: [&str; 6] = ["speed", "heading", "x", "y", "accel", "yaw_rate"];
@@ -135,9 +136,10 @@ impl SampleWriter for Writer {
         out.write("meta/tasks.parquet", &bytes(tasks, Some("task"))?)?;
         out.write("meta/episodes/chunk-000/file-000.parquet", &bytes(self.episode_columns(), None)?)?;
         out.json("meta/stats.json", &self.stats())?;
-        out.report
-            .notes
-            .push("images are not part of this export: a LeRobot episode needs one per frame".to_owned());
+        out.report.notes.push(Bilingual::new(
+            "此导出不含图像：LeRobot 的每一帧都须有图像",
+            "images are not part of this export: a LeRobot episode needs one per frame",
+        ));
         out.json("meta/info.json", &self.info())
     }
 }

@@ -5,6 +5,7 @@ use super::chat::{ChatFormat, Conversation};
 use crate::{DatasetError, Release};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
 
 pub(super) struct LlamaFactory {
     name: String,
@@ -54,10 +55,10 @@ impl ChatFormat for LlamaFactory {
             });
             info.insert(name.clone(), entry);
         }
-        out.report.notes.push(
-            "llamafactory-cli train: dataset_dir and media_dir are this folder; dataset is a name of dataset_info.json"
-                .to_owned(),
-        );
+        out.report.notes.push(Bilingual::new(
+            "llamafactory-cli train：dataset_dir 与 media_dir 为此文件夹；dataset 为 dataset_info.json 中的名称",
+            "llamafactory-cli train: dataset_dir and media_dir are this folder; dataset is a name of dataset_info.json",
+        ));
         out.json("dataset_info.json", &info)
     }
 }

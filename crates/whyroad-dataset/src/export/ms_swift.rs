@@ -5,6 +5,7 @@ use super::chat::{ChatFormat, Conversation};
 use super::{Output, number};
 use crate::DatasetError;
 use serde_json::{Value, json};
+use whyroad_model::Bilingual;
 
 #[derive(Default)]
 pub(super) struct MsSwift {
@@ -50,12 +51,16 @@ impl ChatFormat for MsSwift {
 
     fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         if self.rejected == 0 {
-            out.report.notes.push("no label was returned by a checker: no DPO file was written".to_owned());
+            out.report.notes.push(Bilingual::new(
+                "没有被质检退回的标签：未写出 DPO 文件",
+                "no label was returned by a checker: no DPO file was written",
+            ));
         }
-        out.report.notes.push(
-            "swift sft --dataset sft.train.jsonl --val_dataset sft.val.jsonl (run it inside this folder: image paths are relative)"
-                .to_owned(),
-        );
+        let command = "swift sft --dataset sft.train.jsonl --val_dataset sft.val.jsonl";
+        out.report.notes.push(Bilingual::new(
+            format!("{command}（在此文件夹中运行：图像路径是相对的）"),
+            format!("{command} (run it inside this folder: image paths are relative)"),
+        ));
         Ok(())
     }
 }

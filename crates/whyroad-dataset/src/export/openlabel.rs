@@ -8,6 +8,7 @@ use crate::item::SplitName;
 use crate::sample::{Cause, Component, Sample};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use whyroad_model::Bilingual;
 
 /// Coordinate system of every box: the ego's reference point at t0, fixed to the ground.
 const FRAME: &str = "ego_t0";
@@ -43,8 +44,11 @@ impl SampleWriter for Writer {
     fn finish(&mut self, out: &mut Output) -> Result<(), DatasetError> {
         let (n, all) = (self.of_unknown_height, self.cuboids);
         if n > 0 {
-            out.report.notes.push(format!(
-                "{n} of {all} cuboids have no known z or height: the value is 0, and the attribute `{UNKNOWN}` names it"
+            out.report.notes.push(Bilingual::new(
+                format!("{all} 个框中的 {n} 个 z 或高度未知：数值写为 0，由属性 `{UNKNOWN}` 写明"),
+                format!(
+                    "{n} of {all} cuboids have no known z or height: the value is 0, and the attribute `{UNKNOWN}` names it"
+                ),
             ));
         }
         Ok(())

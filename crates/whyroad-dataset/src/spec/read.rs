@@ -273,7 +273,14 @@ fn parsed<T: std::str::FromStr>(node: &Node, r: &mut FileReport<'_>) -> Option<T
     let t = r.text(node)?;
     let value = t.parse().ok();
     if value.is_none() {
-        refuse(r, node, format!("'{t}' 不是合法的数"), format!("'{t}' is not a valid number here"));
+        let message =
+            Bilingual::new(format!("'{t}' 不是合法的数"), format!("'{t}' is not a valid number here"));
+        let hint = if std::any::type_name::<T>().starts_with('f') {
+            Bilingual::new("此处应为数，例如 0.5", "write a number, such as 0.5")
+        } else {
+            Bilingual::new("此处应为不小于 0 的整数", "write a whole number, 0 or more")
+        };
+        r.error_with_hint(VALUE, node, message, hint);
     }
     value
 }

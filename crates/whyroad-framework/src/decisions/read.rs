@@ -1,7 +1,7 @@
 //! `schema/driving_decisions.yaml` to [`DecisionSets`], checked against the closed sets that messages use.
 
 use super::{DecisionSets, DecisionText, LateralText, LongitudinalText};
-use crate::taxonomy::{FAMILY, optional_bilingual, read_bilingual, read_version, suggestion};
+use crate::taxonomy::{FAMILY, another_id, optional_bilingual, read_bilingual, read_version, suggestion};
 use crate::yaml_text;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::yaml::{Fields, FileReport, Node};
@@ -118,7 +118,8 @@ fn member<T>(
 }
 
 fn twice(node: &Node, id: &str, r: &mut FileReport) {
-    r.error("taxonomy.id.duplicate", node, format!("id '{id}' 重复"), format!("id '{id}' is used twice"));
+    let message = Bilingual::new(format!("id '{id}' 重复"), format!("id '{id}' is used twice"));
+    r.error_with_hint("taxonomy.id.duplicate", node, message, another_id());
 }
 
 fn differs(node: &Node, zh: String, en: String, r: &mut FileReport) {

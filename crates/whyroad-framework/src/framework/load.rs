@@ -211,8 +211,12 @@ fn expressions(file: &str, text: &str, read: &ReadSpec) -> Vec<ExpressionSource>
 
 fn missing_file(path: &str) -> Diagnostic {
     let code = if path.starts_with("scenarios/") { "spec.file.missing" } else { "taxonomy.file.missing" };
-    Diagnostic::error(code, Bilingual::new(format!("缺少文件 '{path}'"), format!("file '{path}' is missing")))
-        .in_file(path)
+    let message = Bilingual::new(format!("缺少文件 '{path}'"), format!("file '{path}' is missing"));
+    let hint = Bilingual::new(
+        "`whyroad taxonomy init` 写出内置框架的全部文件，从中取用",
+        "`whyroad taxonomy init` writes all files of the built-in framework: take it from there",
+    );
+    Diagnostic::error(code, message).with_hint(hint).in_file(path)
 }
 
 fn incomplete(leaf: &ScenarioId, missing: &[&str], file: &str, at: Option<(usize, usize)>) -> Diagnostic {

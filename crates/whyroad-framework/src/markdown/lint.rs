@@ -2,7 +2,7 @@
 //! its tables, its classes against the taxonomy in force.
 
 use super::{Class, MarkdownTaxonomy, Part, Stated, Subject, read_markdown};
-use crate::taxonomy::{Taxonomy, did_you_mean, suggestion};
+use crate::taxonomy::{Taxonomy, another_id, did_you_mean, suggestion};
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
@@ -94,7 +94,8 @@ fn duplicates(classes: &[Class], prefix: &str, out: &mut Vec<Diagnostic>) {
                 format!("'{full}' 重复，首次出现在第 {line} 行"),
                 format!("'{full}' is listed twice, first on line {line}"),
             );
-            out.push(Diagnostic::error("taxonomy.id.duplicate", message).at(c.id.place.clone()));
+            let d = Diagnostic::error("taxonomy.id.duplicate", message).with_hint(another_id());
+            out.push(d.at(c.id.place.clone()));
         }
         duplicates(&c.children, &format!("{full}."), out);
     }

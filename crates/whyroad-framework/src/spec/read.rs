@@ -118,12 +118,15 @@ fn check_path(l1: &str, l2: Option<&str>, node: &Node, r: &mut FileReport) -> bo
     if file == wanted || file.ends_with(&format!("/{wanted}")) {
         return true;
     }
-    r.error(
-        "spec.path",
-        node,
+    let message = Bilingual::new(
         format!("文件内容属于 '{wanted}'，与文件路径不符"),
         format!("by its content this file belongs at '{wanted}'"),
     );
+    let hint = Bilingual::new(
+        "移动或改名该文件，或改正其中的 l1 与 l2",
+        "move or rename the file, or correct l1 and l2 in it",
+    );
+    r.error_with_hint("spec.path", node, message, hint);
     false
 }
 
@@ -292,16 +295,31 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
         if !is_key(&id) || out.iter().any(|o| o.id == id) {
-            let (zh, en) = (
-                format!("记录项 id '{id}' 重复，或不是小写下划线形式"),
-                format!("record id '{id}' is used twice or is not lower snake case"),
-            );
-            r.error("spec.record.id", item, zh, en);
+            r.error_with_hint("spec.record.id", item, unusable_id(("记录项", "record"), &id), new_id());
             continue;
         }
         out.push(RecordLayer { id, name, unit, signal, object, target, choices });
     }
     out
+}
+
+/// The message for the id of a record or a choice that cannot be used.
+fn unusable_id((zh, en): (&str, &str), id: &str) -> Bilingual {
+    if is_key(id) {
+        Bilingual::new(format!("{zh} id '{id}' 重复"), format!("{en} id '{id}' is used twice"))
+    } else {
+        Bilingual::new(
+            format!("{zh} id '{id}' 不是小写下划线形式"),
+            format!("{en} id '{id}' is not lower snake case"),
+        )
+    }
+}
+
+fn new_id() -> Bilingual {
+    Bilingual::new(
+        "另取一个 id：小写字母开头，由小写字母、数字和下划线组成",
+        "give it another id, of lower-case letters, digits and underscores, such as merge_place",
+    )
 }
 
 /// Lower snake case.
@@ -320,11 +338,7 @@ fn choices(node: &Node, r: &mut FileReport) -> Vec<ChoiceLayer> {
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
         if !is_key(&id) || out.iter().any(|o| o.id == id) {
-            let (zh, en) = (
-                format!("选项 id '{id}' 重复，或不是小写下划线形式"),
-                format!("choice id '{id}' is used twice or is not lower snake case"),
-            );
-            r.error("spec.record.id", item, zh, en);
+            r.error_with_hint("spec.record.id", item, unusable_id(("选项", "choice"), &id), new_id());
             continue;
         }
         out.push(ChoiceLayer { id, name, measured });

@@ -72,14 +72,13 @@ impl<'n> Reading<'_, '_, 'n> {
                 let (owner, line) = l2_seen.entry(scenario.id.clone()).or_insert_with(first).clone();
                 if owner != entry.key {
                     let id = &scenario.id;
-                    self.report.error(
-                        "taxonomy.id.duplicate",
-                        node,
+                    let message = Bilingual::new(
                         format!("L2 id '{id}' 已属于 '{owner}'（第 {line} 行）；L2 id 在所有 L1 中必须唯一"),
                         format!(
                             "L2 id '{id}' already belongs to '{owner}' (line {line}); L2 ids must be unique across L1s"
                         ),
                     );
+                    self.report.error_with_hint("taxonomy.id.duplicate", node, message, another_id());
                 } else if let Some(scenario) =
                     self.unless_taken(scenario, |b| &b.id, &l1[at].l2, (node, entry.node.items()))
                 {
@@ -231,12 +230,11 @@ impl<'n> Reading<'_, '_, 'n> {
             let line = n.mark.line;
             Bilingual::new(format!("，首次出现在第 {line} 行"), format!(", first on line {line}"))
         });
-        self.report.error(
-            "taxonomy.id.duplicate",
-            node,
+        let message = Bilingual::new(
             format!("id '{id}' 重复{}", first.zh),
             format!("id '{id}' is used twice{}", first.en),
         );
+        self.report.error_with_hint("taxonomy.id.duplicate", node, message, another_id());
         None
     }
 
@@ -305,12 +303,12 @@ pub(crate) fn read_version(f: &mut Fields, code: &'static str, r: &mut FileRepor
     let Some(node) = f.need("version", r) else { return Version::default().to_string() };
     let Some(text) = r.text(node) else { return Version::default().to_string() };
     if Version::parse(&text).is_none() {
-        r.error(
-            code,
-            node,
+        let message = Bilingual::new(
             format!("'{text}' 不是 major.minor.patch 形式的版本"),
             format!("'{text}' is not a version of the form major.minor.patch"),
         );
+        let hint = Bilingual::new("例如 version: \"2.0.0\"", "such as version: \"2.0.0\"");
+        r.error_with_hint(code, node, message, hint);
         return Version::default().to_string();
     }
     text
@@ -322,15 +320,41 @@ fn read_id(f: &mut Fields, r: &mut FileReport) -> Option<String> {
     let well_formed = id.starts_with(|c: char| c.is_ascii_lowercase())
         && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
     if !well_formed {
-        r.error(
-            "taxonomy.id.malformed",
-            node,
+        let message = Bilingual::new(
             format!("id '{id}' 只能由小写字母、数字和下划线组成，并以字母开头"),
             format!("id '{id}' must be lower snake case and start with a letter"),
         );
-        return None;
+        let meant = snake_case(&id);
+        let such = meant.as_deref().unwrap_or("cut_in");
+        let hint = Bilingual::new(format!("例如 {such}"), format!("such as {such}"));
+        r.error_with_hint("taxonomy.id.malformed", node, message, hint);
+        // Read as it is meant: else all that names the class is reported as unknown, too.
+        return meant;
     }
     Some(id)
+}
+
+/// `FromStationary` and `from-stationary` as `from_stationary`; `None` where other characters remain.
+fn snake_case(id: &str) -> Option<String> {
+    let mut out = String::new();
+    let mut last = ' ';
+    for c in id.chars() {
+        match c {
+            '-' | ' ' | '.' => out.push('_'),
+            c if c.is_ascii_uppercase() && (last.is_ascii_lowercase() || last.is_ascii_digit()) => {
+                out.extend(['_', c.to_ascii_lowercase()]);
+            }
+            c => out.push(c.to_ascii_lowercase()),
+        }
+        last = c;
+    }
+    let is_plain = out.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
+    (is_plain && out.starts_with(|c: char| c.is_ascii_lowercase())).then_some(out)
+}
+
+/// The remedy for an id that is taken.
+pub(crate) fn another_id() -> Bilingual {
+    Bilingual::new("给其中一个另取 id，或删除其中一个", "give one of the two another id, or delete one")
 }
 
 /// A required Chinese text with its English one. Chinese alone is DATA_FORMAT.md's own form: a warning, and the Chinese
@@ -364,7 +388,10 @@ pub(crate) fn optional_bilingual(
                     format!("'{zh}' 没有英文 '{en}'"),
                     format!("'{zh}' has no English '{en}' beside it"),
                 );
-                r.push(Diagnostic::warning("taxonomy.text.untranslated", message), node.mark, &node.pointer);
+                let hint =
+                    Bilingual::new(format!("在其下补上 '{en}: …'"), format!("add '{en}: ...' below it"));
+                let d = Diagnostic::warning("taxonomy.text.untranslated", message).with_hint(hint);
+                r.push(d, node.mark, &node.pointer);
             }
             Some(Bilingual::same(zh_text))
         }

@@ -37,14 +37,9 @@ pub(super) fn table(
             frames: frames(seen.as_ref(), n)?,
         });
     }
-    let mut all = base.clone();
-    all.extend(case.signals.clone());
     let lacks = |name: &String| case.lacks.contains(name);
-    for (name, text) in &all {
-        let (object, signal) = match name.split_once('.') {
-            Some((object, rest)) if case.objects.contains_key(object) => (object, format!("target.{rest}")),
-            _ => ("target", name.clone()),
-        };
+    for (name, text) in &stated(case, base) {
+        let (object, signal) = signal_of(case, name);
         if lacks(&signal) {
             continue;
         }
@@ -83,6 +78,33 @@ pub(super) fn table(
         table.unavailable.insert(name.clone(), needs.to_vec());
     }
     Ok(table)
+}
+
+/// The signals that a case states, with those that all cases of its file have in common.
+fn stated(case: &CaseText, base: &BTreeMap<String, String>) -> BTreeMap<String, String> {
+    let mut all = base.clone();
+    all.extend(case.signals.clone());
+    all
+}
+
+/// The object and the signal that a name stands for: `obstacle.gap` is `target.gap` of an object of the case.
+fn signal_of<'n>(case: &CaseText, name: &'n str) -> (&'n str, String) {
+    match name.split_once('.') {
+        Some((object, rest)) if case.objects.contains_key(object) => (object, format!("target.{rest}")),
+        _ => ("target", name.to_owned()),
+    }
+}
+
+/// True where the case states a signal whose entry in the catalog has an error, which is reported there.
+pub(super) fn lacks_signals(case: &CaseText, base: &BTreeMap<String, String>, catalog: &Catalog) -> bool {
+    stated(case, base).keys().any(|name| catalog.lacks(&signal_of(case, name).1))
+}
+
+/// What is wrong with a value that all cases have in common; the signals of objects are those of single cases.
+pub(super) fn fault_of_base(name: &str, text: &str, catalog: &Catalog) -> Option<Reason> {
+    let def = catalog.get(name)?;
+    let read = segments(text).and_then(|segments| column(&segments, &def.kind, 1));
+    read.err().map(|e| Bilingual::new(format!("{name}：{}", e.zh), format!("{name}: {}", e.en)))
 }
 
 pub(super) fn frame_of(t: Nanos) -> usize {

@@ -11,6 +11,7 @@ mod every;
 mod memo;
 mod moments;
 mod names;
+mod never;
 mod pairs;
 mod structure;
 mod wording;
@@ -33,7 +34,7 @@ use whyroad_signals::catalog::{Catalog, SignalDef, SignalKind, TargetRestriction
 
 /// Turns expressions into nodes of one program.
 pub struct Checker<'a> {
-    catalog: &'a Catalog,
+    pub(crate) catalog: &'a Catalog,
     /// Named numbers of the rule.
     pub parameters: BTreeMap<String, Quantity>,
     /// Named conditions or numbers of the rule that others may use.
@@ -198,7 +199,8 @@ impl<'a> Checker<'a> {
                 Ok(self.flag(Op::Not(id)))
             }
             ExprKind::And(all) => {
-                let all = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
+                let all: Vec<NodeId> = all.iter().map(|e| self.condition(e)).collect::<Result<_, _>>()?;
+                self.possible_together(&all, expr.span)?;
                 Ok(self.flag(Op::And(all)))
             }
             ExprKind::Or(all) => {
@@ -212,6 +214,7 @@ impl<'a> Checker<'a> {
                     all.push(self.compare(*op, left, right)?);
                     left = right;
                 }
+                self.possible_together(&all, expr.span)?;
                 Ok(if all.len() == 1 { all[0] } else { self.flag(Op::And(all)) })
             }
             ExprKind::In(of, members) => self.membership(of, members),

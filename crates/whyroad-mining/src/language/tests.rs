@@ -238,3 +238,30 @@ fn characters_of_another_keyboard_have_a_remedy() {
         assert!(found.hint.as_ref().is_some_and(|h| h.en.contains(hint)), "{text}: {found:?}");
     }
 }
+
+#[test]
+fn conditions_that_exclude_each_other_are_refused() {
+    for never in [
+        "ego.speed < 0 m/s and ego.speed > 1 m/s",
+        "ego.speed > 36 km/h and ego.speed < 10 m/s",
+        "5 m/s < ego.speed < 3 m/s",
+        "ego.speed == 1 m/s and ego.speed > 1 m/s",
+        "ego.accel < -3 m/s2 and (ego.brake and ego.accel > -1 m/s2)",
+        "ego.standstill and not ego.standstill",
+        "ego.lane_change == left and ego.lane_change == right",
+    ] {
+        let fault = fault(never);
+        assert_eq!(fault.code, "rule.never", "{never}");
+        assert!(fault.hint.is_some());
+    }
+    for possible in [
+        "ego.speed < 0 m/s or ego.speed > 1 m/s",
+        "ego.speed >= 36 km/h and ego.speed <= 10 m/s",
+        "(ego.speed < 1 m/s within 3 s) and ego.speed > 2 m/s",
+        "ego.lane_change == left and ego.lane_change in { left, right }",
+        "ego.speed != 1 m/s and ego.speed == 2 m/s",
+        "min(ego.speed, 3 s) < 1 m/s and ego.speed > 2 m/s",
+    ] {
+        check(possible).unwrap_or_else(|fault| panic!("{possible}: {fault:?}"));
+    }
+}

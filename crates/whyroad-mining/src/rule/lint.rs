@@ -4,9 +4,9 @@
 use super::RuleSet;
 use super::origin::SourceFile;
 use super::source::inherit;
-use crate::language::Checker;
 use crate::language::parse::parse;
 use crate::language::syntax::{ExprKind, Quantity};
+use crate::language::{Checker, Fault};
 use whyroad_framework::{ExpressionSource, Framework};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
 use whyroad_signals::Catalog;
@@ -71,7 +71,10 @@ fn moment(source: &ExpressionSource, framework: &Framework, catalog: &Catalog) -
         Err(fault) => vec![fault],
     };
     let file = SourceFile { name: &source.file, text: &source.source };
-    faults.into_iter().map(|fault| file.diagnose(&source.expression, fault)).collect()
+    // A signal whose entry in the catalog has an error is reported there.
+    let marked = |f: &Fault| text.get(f.span.start..f.span.end).unwrap_or_default();
+    let is_own = |f: &Fault| f.code != "rule.signal.unknown" || !catalog.lacks(marked(f));
+    faults.into_iter().filter(is_own).map(|fault| file.diagnose(&source.expression, fault)).collect()
 }
 
 /// A moment may use the parameters and definitions of the rule that it times. Errors in these are reported for the

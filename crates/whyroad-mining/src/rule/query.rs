@@ -95,6 +95,9 @@ pub fn compile_query(
         }
     }
     found.append(&mut reader.found);
+    if let Err(fault) = checker.possible_together(&conditions, Span::default()) {
+        found.push(fault.at(source.location("/mining_query/conditions")));
+    }
     let bounds = query.time_constraints.clone().unwrap_or_default();
     let (least, most) = (bounds.condition_duration_min, bounds.condition_duration_max);
     let mut refuse = |name: &str, zh: String, en: String| {

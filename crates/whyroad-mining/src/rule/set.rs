@@ -78,6 +78,14 @@ impl RuleSet {
         unusable.map(|(id, _)| id).collect()
     }
 
+    /// Files of `framework` with a rule that is not among these: it has errors, or uses a signal that has.
+    pub fn files_left_out(&self, framework: &Framework) -> BTreeSet<String> {
+        let usable: BTreeSet<&ScenarioId> = self.rules.iter().map(|r| &r.scenario).collect();
+        let is_rule = |r: &&whyroad_framework::RuleSource| r.leaf.is_leaf() || r.rule.get("when").is_some();
+        let left_out = framework.rules.iter().filter(is_rule).filter(|r| !usable.contains(&r.leaf));
+        left_out.map(|r| r.file.clone()).collect()
+    }
+
     /// The rules for these classes: of the class itself and of everything below it.
     #[must_use]
     pub fn restricted_to(&self, wanted: &[ScenarioId]) -> Self {
@@ -137,7 +145,8 @@ impl Precedence {
                 fault(
                     format!("neighbourhood '{}' 不是时长", file.neighbourhood),
                     format!("neighbourhood '{}' is not a time", file.neighbourhood),
-                ),
+                )
+                .hint("例如 neighbourhood: 1 s", "such as neighbourhood: 1 s"),
             ),
         }
         let entries = root.get("order").map_or(&[][..], |n| n.items());
@@ -146,7 +155,8 @@ impl Precedence {
                 Ok(id) if taxonomy.contains(&id) && !out.order.contains(&id) => out.order.push(id),
                 Ok(id) if out.order.contains(&id) => {
                     let (zh, en) = (format!("'{word}' 出现了两次"), format!("'{word}' is listed twice"));
-                    report(node.mark, &node.pointer, fault(zh, en));
+                    let twice = fault(zh, en).hint("删除其中一行", "delete one of the two lines");
+                    report(node.mark, &node.pointer, twice);
                 }
                 _ => {
                     let (zh, en) = (format!("没有名为 '{word}' 的类别"), format!("class '{word}' not found"));

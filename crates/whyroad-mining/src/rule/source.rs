@@ -87,6 +87,7 @@ pub fn compile(
         scenario,
         origin,
         found,
+        lacks_signals: false,
         broken: block.broken.iter().cloned().collect(),
     };
     let roles = c.roles(block.target, &block.roles);
@@ -100,6 +101,14 @@ pub fn compile(
         block.when.iter().filter_map(|n| c.condition(n, PartPlace::When, &mut described)).collect();
     let require: Vec<NodeId> =
         block.require.iter().filter_map(|n| c.condition(n, PartPlace::Require, &mut described)).collect();
+    for (written, all) in [(&block.when, &when), (&block.require, &require)] {
+        if let Some(last) = written.last().filter(|_| all.len() > 1) {
+            let span = Span { start: 0, end: last.text().unwrap_or_default().len() };
+            if let Err(fault) = c.checker.possible_together(all, span) {
+                c.report(last, fault);
+            }
+        }
+    }
     let response: Vec<NodeId> = block.response.iter().filter_map(|n| c.response(n)).collect();
     let mut time = |node: Option<&Node>| node.and_then(|n| c.time(n));
     let min_duration = time(block.min_duration).unwrap_or_default();
@@ -119,7 +128,8 @@ pub fn compile(
     }
     let of_target = when.iter().chain(&require).any(|id| c.checker.is_of_target(*id));
     let subject = subject.or(c.checker.subject);
-    if of_target && subject.is_none() {
+    // A kind of target that cannot be read is reported there.
+    if of_target && subject.is_none() && block.target.is_none() && block.roles.is_empty() {
         let fault = Fault::new(
             "rule.target",
             Span::default(),
@@ -141,7 +151,7 @@ pub fn compile(
     };
     let response = response
         .map(|condition| ResponseCondition { condition, of_target: c.checker.is_of_target(condition) });
-    if !c.found.is_empty() {
+    if c.lacks_signals || !c.found.is_empty() {
         return Err(c.found);
     }
     Ok(Rule {
@@ -169,6 +179,8 @@ pub(super) struct Compiler<'a> {
     scenario: &'a ScenarioId,
     origin: &'a Origin<'a>,
     found: Vec<Diagnostic>,
+    /// It uses a signal whose entry in the catalog has an error, which is reported there.
+    lacks_signals: bool,
     /// Parameters and definitions that have been reported: their absence elsewhere is not reported again.
     broken: BTreeSet<String>,
 }
@@ -178,10 +190,19 @@ impl Compiler<'_> {
     pub(super) fn report(&mut self, node: &Node, fault: Fault) {
         let text = node.text().unwrap_or_default();
         let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
-        if fault.code == "rule.signal.unknown" && self.broken.contains(marked) {
-            return;
+        if !self.is_reported(&fault, marked) {
+            self.found.push(self.origin.file.diagnose(node, fault));
         }
-        self.found.push(self.origin.file.diagnose(node, fault));
+    }
+
+    /// True where the name that is not found is one that has been reported as faulty where it is written.
+    fn is_reported(&mut self, fault: &Fault, name: &str) -> bool {
+        if fault.code != "rule.signal.unknown" {
+            return false;
+        }
+        let lacks = self.checker.catalog.lacks(name);
+        self.lacks_signals |= lacks;
+        lacks || self.broken.contains(name)
     }
 
     /// Reports a fault of a key.
@@ -355,7 +376,7 @@ impl Compiler<'_> {
             Ok(moment) => moment,
             Err(fault) => {
                 let marked = text.get(fault.span.start..fault.span.end).unwrap_or_default();
-                if fault.code != "rule.signal.unknown" || !self.broken.contains(marked) {
+                if !self.is_reported(&fault, marked) {
                     self.found.push(self.origin.diagnose_moment(self.scenario, text, fault));
                 }
                 return None;

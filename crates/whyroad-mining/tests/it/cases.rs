@@ -173,3 +173,62 @@ fn cases_of_a_faulty_rule_are_skipped_with_one_note() {
     assert!(missing.failures.iter().all(|d| d.code == "rule.case" && d.severity == Severity::Error));
     assert!(!missing.failures.is_empty() && missing.cases.is_empty());
 }
+
+/// The L2's own rule is silent only where a leaf knows the variant: its cases cannot be judged while a leaf has errors.
+#[test]
+fn cases_of_an_l2_are_not_judged_without_its_faulty_leaf() {
+    let mut rules = rules();
+    rules.rules.retain(|r| r.scenario.to_string() != "reactive_agent.cutin.urgent");
+    let cutin = "scenarios/reactive_agent/cutin";
+    let text = &case_files()[&format!("{cutin}.cases.yaml")];
+    let failures = |faulty: BTreeSet<String>| {
+        let runner = CaseRunner { rules: &rules, catalog: Catalog::bundled(), faulty: &faulty };
+        runner.run(&format!("{cutin}.cases.yaml"), text).failures
+    };
+    let found = failures([format!("{cutin}.yaml")].into());
+    assert!(found.iter().all(|d| d.code == "rule.case.skipped" && d.severity == Severity::Note), "{found:?}");
+    assert!(
+        found.iter().any(|d| d.message.en.contains("reactive_agent.cutin cannot be judged")),
+        "{found:?}"
+    );
+    assert!(failures(BTreeSet::new()).iter().any(|d| d.code == "rule.case"), "the proof that one fails");
+}
+
+#[test]
+fn a_value_that_all_cases_share_is_reported_once_where_it_is() {
+    let file = "scenarios/reactive_agent/cutin.cases.yaml";
+    let text = case_files()[file].replacen("ego.mean_speed: \"12 m/s\"", "ego.mean_speed: \"12\"", 1);
+    let line = text.lines().position(|l| l.contains("ego.mean_speed: \"12\"")).unwrap() + 1;
+    let rules = rules();
+    let runner = CaseRunner { rules: &rules, catalog: Catalog::bundled(), faulty: &BTreeSet::new() };
+    let [error, note] = &runner.run(file, &text).failures[..] else { panic!("one error and one note") };
+    assert_eq!((error.code, error.location.line), ("rule.case", Some(line)));
+    assert!(error.message.en.contains("units do not match") && error.hint.is_some());
+    assert_eq!((note.code, note.severity), ("rule.case.skipped", Severity::Note));
+}
+
+/// What uses a signal whose entry has an error is left out without another error.
+#[test]
+fn an_error_in_the_catalog_is_not_repeated_in_rules_and_cases() {
+    let text = include_str!("../../../../schema/signals.yaml");
+    let at = text.find("- name: target.ttc\n").unwrap();
+    let broken = format!("{}{}", &text[..at], text[at..].replacen("unit: s", "unit: sekunden", 1));
+    let (catalog, of_signals) = Catalog::parse(&broken);
+    assert_eq!(of_signals.len(), 1);
+    let framework = Framework::bundled();
+    let (rules, found) = RuleSet::of_framework(framework, &catalog);
+    assert!(found.is_empty(), "{found:?}");
+    let urgent = "reactive_agent.cutin.urgent".parse().unwrap();
+    assert!(rules.unusable(framework).contains(&urgent) && !rules.rules.iter().any(|r| r.scenario == urgent));
+    assert!(whyroad_mining::rule::lint::lint(framework, &catalog).is_empty());
+    let faulty = rules.files_left_out(framework);
+    assert!(faulty.contains("scenarios/reactive_agent/cutin.yaml"));
+    let runner = CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty };
+    let errors: Vec<_> = runner
+        .run_all(&case_files())
+        .failures
+        .into_iter()
+        .filter(|d| d.severity == Severity::Error)
+        .collect();
+    assert!(errors.is_empty(), "{errors:?}");
+}

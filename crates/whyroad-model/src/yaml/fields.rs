@@ -62,6 +62,11 @@ impl<'t> FileReport<'t> {
         self.push(Diagnostic::error(code, Bilingual::new(zh, en)), node.mark, &node.pointer);
     }
 
+    /// Adds an error about `node` with its remedy.
+    pub fn error_with_hint(&mut self, code: &'static str, node: &Node, message: Bilingual, hint: Bilingual) {
+        self.push(Diagnostic::error(code, message).with_hint(hint), node.mark, &node.pointer);
+    }
+
     /// Parses `text`; a syntax error is reported and yields nothing.
     pub fn parse(&mut self, text: &str) -> Option<Node> {
         match super::parse(text) {
@@ -77,26 +82,41 @@ impl<'t> FileReport<'t> {
         }
     }
 
-    fn wrong_kind(&mut self, node: &Node, wanted: Bilingual) {
+    /// `how` states how the wanted kind is written.
+    fn wrong_kind(&mut self, node: &Node, wanted: Bilingual, how: Bilingual) {
         let found = node.value.description();
-        self.error(
-            self.codes.kind,
-            node,
+        let message = Bilingual::new(
             format!("此处应为{}，实为{}", wanted.zh, found.zh),
             format!("expected {}, found {}", wanted.en, found.en),
         );
+        let is_empty_file = node.pointer.is_empty() && matches!(node.value, Value::Null);
+        let how = if is_empty_file {
+            Bilingual::new(
+                "文件是空的：写入其字段，或删除该文件",
+                "the file is empty: write its fields, or delete the file",
+            )
+        } else {
+            how
+        };
+        self.error_with_hint(self.codes.kind, node, message, how);
     }
 
     /// The text of a scalar.
     pub fn text(&mut self, node: &Node) -> Option<String> {
         match &node.value {
             Value::Scalar(scalar) if scalar.text.trim().is_empty() => {
-                self.error(self.codes.empty, node, "文本为空".into(), "the text is empty".into());
+                let hint = Bilingual::new("填写文本，或删除该字段", "write the text, or delete the field");
+                let message = Bilingual::new("文本为空", "the text is empty");
+                self.error_with_hint(self.codes.empty, node, message, hint);
                 None
             }
             Value::Scalar(scalar) => Some(scalar.text.trim().to_owned()),
             _ => {
-                self.wrong_kind(node, Bilingual::new("文本", "text"));
+                let how = Bilingual::new(
+                    "写成一个值，必要时加引号",
+                    "write one value, in quotation marks if need be",
+                );
+                self.wrong_kind(node, Bilingual::new("文本", "text"), how);
                 None
             }
         }
@@ -107,7 +127,11 @@ impl<'t> FileReport<'t> {
         match &node.value {
             Value::List(items) => items,
             _ => {
-                self.wrong_kind(node, Bilingual::new("列表", "a list"));
+                let how = Bilingual::new(
+                    "写成 [甲, 乙]，或每项一行，以 '- ' 开头",
+                    "write `[a, b]`, or one item a line after '- '",
+                );
+                self.wrong_kind(node, Bilingual::new("列表", "a list"), how);
                 &[]
             }
         }
@@ -116,7 +140,11 @@ impl<'t> FileReport<'t> {
     /// The entries of a mapping, keys unique: a key's second use is reported and left out.
     pub fn entries<'n>(&mut self, node: &'n Node) -> Option<Vec<&'n Entry>> {
         let Value::Map(entries) = &node.value else {
-            self.wrong_kind(node, Bilingual::new("映射", "a mapping"));
+            let how = Bilingual::new(
+                "写成缩进的若干行 '键: 值'，或 { 键: 值 }",
+                "write indented lines `key: value`, or `{ key: value }`",
+            );
+            self.wrong_kind(node, Bilingual::new("映射", "a mapping"), how);
             return None;
         };
         let mut out: Vec<&Entry> = Vec::with_capacity(entries.len());
@@ -127,7 +155,12 @@ impl<'t> FileReport<'t> {
                     format!("键 '{key}' 重复，首次出现在第 {line} 行"),
                     format!("key '{key}' is written twice, first on line {line}"),
                 );
-                self.push(Diagnostic::error(self.codes.duplicate, message), e.mark, &e.node.pointer);
+                let hint = Bilingual::new(
+                    "删除其中一个，或合并两处的内容",
+                    "delete one of the two, or merge what they hold",
+                );
+                let d = Diagnostic::error(self.codes.duplicate, message).with_hint(hint);
+                self.push(d, e.mark, &e.node.pointer);
             } else {
                 out.push(e);
             }
@@ -164,12 +197,18 @@ impl<'n> Fields<'n> {
     pub fn need(&mut self, key: &'static str, report: &mut FileReport) -> Option<&'n Node> {
         let found = self.get(key);
         if found.is_none() {
-            report.error(
-                report.codes.missing,
-                self.node,
-                format!("缺少必填字段 '{key}'"),
-                format!("required field '{key}' is missing"),
-            );
+            let message =
+                Bilingual::new(format!("缺少必填字段 '{key}'"), format!("required field '{key}' is missing"));
+            let is_written = self.entries.iter().any(|e| e.key == key);
+            let hint = if is_written {
+                Bilingual::new(format!("在 '{key}:' 之后填写值"), format!("write a value after '{key}:'"))
+            } else {
+                Bilingual::new(
+                    format!("在此处同级的字段中补上 '{key}: …'"),
+                    format!("add '{key}: ...' beside the fields that are here"),
+                )
+            };
+            report.error_with_hint(report.codes.missing, self.node, message, hint);
         }
         found
     }

@@ -157,13 +157,11 @@ fn unseen(out: &mut String, a: &Analytics, lang: Lang) {
     };
     let unknown = || if lang == Lang::Zh { "未知".to_owned() } else { "unknown".to_owned() };
     let mass = u.mass.map_or_else(unknown, |e| format!("{} %", text(e, 100.0, 1)));
-    let new = u
-        .new_leaves
-        .map_or_else(|| format!("{} (≥ {} h)", unknown(), number(u.hours_needed, 0)), |e| text(e, 1.0, 1));
+    let new = u.new_leaves.map_or_else(|| searched_first(u.hours_needed, lang), |e| text(e, 1.0, 1));
     let _ = match lang {
         Lang::Zh => writeln!(
             out,
-            "\n已搜索 {} h；可观测 L3 {}，已找到 {}\n未见质量（Good-Turing）{mass}；再行驶 {MORE_HOURS} h 的新 L3：{new}",
+            "\n已搜索 {} h；可观测 L3 {}，已找到 {}\n未见概率质量（Good-Turing）{mass}；再行驶 {MORE_HOURS} h 的新 L3：{new}",
             number(u.hours, 2),
             u.observable,
             u.found
@@ -177,6 +175,15 @@ fn unseen(out: &mut String, a: &Analytics, lang: Lang) {
             u.found
         ),
     };
+}
+
+/// An estimate that is unknown until more was searched.
+fn searched_first(hours: f64, lang: Lang) -> String {
+    let hours = number(hours, 0);
+    match lang {
+        Lang::Zh => format!("未知（须先搜索 {hours} h）"),
+        Lang::En => format!("unknown ({hours} h have to be searched first)"),
+    }
 }
 
 fn shortfalls(out: &mut String, a: &Analytics, lang: Lang) {

@@ -104,8 +104,7 @@ fn verdict(m: &mut Markup, c: &Comparison) {
 }
 
 fn classes(m: &mut Markup, c: &Comparison, head: &PageHead<'_>) {
-    let changed: Vec<(&ScenarioId, &ClassComparison)> =
-        c.classes.iter().filter(|(_, of)| !of.changes.is_empty()).collect();
+    let changed: Vec<(&ScenarioId, &ClassComparison)> = c.changed_classes().collect();
     m.raw("<h2>").say("各场景的变化", "Changes by class").raw("</h2>");
     if changed.is_empty() {
         m.raw("<p>").say("没有变化。", "Nothing changed.").raw("</p>");

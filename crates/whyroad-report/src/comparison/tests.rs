@@ -53,6 +53,18 @@ fn each_kind_of_change_is_counted_once() {
     assert!((shift - 0.4).abs() < 1e-9);
 }
 
+/// Numbers before and after add up: the class to which a moment went has a row, too.
+#[test]
+fn the_class_to_which_a_moment_went_is_listed() {
+    let c = compared(&[episode(URGENT, 10.0)], &[episode("reactive_agent.cutin", 10.0)]);
+    let text = render(&c, Lang::En, false);
+    let row = |id: &str| {
+        let line = text.lines().find(|l| l.split_whitespace().next() == Some(id)).unwrap_or_default();
+        line.split_whitespace().skip(1).take(2).map(|n| n.parse::<usize>().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!((row(URGENT), row("reactive_agent.cutin")), (vec![1, 0], vec![0, 1]), "{text}");
+}
+
 /// The same moment and class with another decision (what `dataset diff` calls relabelled) is not unchanged.
 #[test]
 fn a_moment_with_another_label_is_not_unchanged() {

@@ -35,7 +35,7 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
             }
         };
     }
-    let changed: Vec<_> = c.classes.iter().filter(|(_, of)| !of.changes.is_empty()).collect();
+    let changed: Vec<_> = c.changed_classes().collect();
     if changed.is_empty() {
         return out;
     }

@@ -64,6 +64,7 @@ fn broken_entries_are_refused_one_by_one_where_they_are() {
         assert_eq!(found[0].location.file.as_deref(), Some("schema/signals.yaml"));
         assert!(catalog.get("ego.speed").is_none(), "{to}: a broken entry is left out");
         assert!(catalog.get("ego.jerk").is_some(), "the others are kept");
+        assert!(catalog.lacks("ego.speed") && !catalog.lacks("ego.jerk") && !catalog.lacks("ego.sped"));
     }
     let (_, found) = changed("values: [straight, left, right, uturn]", "values: [straight, left, right]");
     assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["signals.changed"]);

@@ -18,22 +18,29 @@ const ALONG_RAD: f64 = std::f64::consts::FRAC_PI_4;
 /// The near end is that of the whole target in the lane, or of one that drives along with the ego ahead of its front
 /// (else the gap to a bus that comes over at an angle would grow by its length at once); of others in the band, that of
 /// the part in it: a car across the way, a truck parked askew, a bus beside the ego whose front comes over.
+///
+/// What is beside the ego, apart from it, does not overlap: only a part of it in the band ahead of the ego's front is
+/// in path, as where the ego will turn to where an oncoming truck is now.
 fn nearest_in_path(p: &Placement, ego_length: f64) -> Option<f64> {
     if !p.same_level || !p.within_reach() {
         return None;
     }
     // The whole of one that is in the lane: the part of it in the band changes where the ego swings out.
-    if p.ahead > 0.0 && p.blocks_way() {
+    if p.ahead > 0.0 && p.blocks_way() && !p.beside_ego {
         return Some(p.near);
     }
+    let front = ego_length / 2.0;
     if let Some((near, far)) = p.band {
+        if p.beside_ego {
+            return (far > front).then_some(near.max(front));
+        }
         let drives_along = p.speed() >= ALONG_MPS && wrap(p.direction() - p.path.heading).abs() <= ALONG_RAD;
-        let near = if drives_along && p.near > ego_length / 2.0 { p.near } else { near };
+        let near = if drives_along && p.near > front { p.near } else { near };
         return (near + far > 0.0).then_some(near);
     }
     let coming_in =
         p.intrusion().is_some_and(|d| d > 0.0) && lane_lateral_speed(p).is_some_and(|v| v >= COMING_IN_MPS);
-    (p.ahead > 0.0 && coming_in).then_some(p.near)
+    (p.ahead > 0.0 && coming_in && !p.beside_ego).then_some(p.near)
 }
 
 /// Velocity across the ego's lane, towards its center line positive, m/s. `None` without a lane.

@@ -95,6 +95,9 @@ pub struct Placement {
     pub heading_at_ego: f64,
     /// Shortest distance between the boxes of the ego and the target, m; NaN where the target's box is unknown.
     pub distance: f64,
+    /// Beside the ego: apart from its box, with an end that is not ahead of its front. False where the target's size is
+    /// unknown.
+    pub beside_ego: bool,
     /// Gap and closing speed, by [`crate::target::approach::place`].
     pub approach: Approach,
     going: Going,
@@ -431,6 +434,7 @@ impl<'a> Surroundings<'a> {
             && on_path.lateral.abs() <= DEFAULT_HALF_WIDTH_M
             && self.road.is_some_and(|road| road.in_junction(center));
         let lane_lateral_speed = on.lane.as_ref().map_or(f64::NAN, |lane| lane.lateral_speed);
+        let distance = self.distance_of(frame, &footprint);
         let place = Placement {
             frame,
             footprint,
@@ -446,7 +450,8 @@ impl<'a> Surroundings<'a> {
             band: band.map(|(low, high)| (low - ego_s, high - ego_s)),
             in_way: false,
             cuts_lane,
-            distance: self.distance_of(frame, &footprint),
+            distance,
+            beside_ego: distance > 0.0 && near - ego_s <= self.ego.length / 2.0,
             approach: Approach { gap: f64::NAN, closing: f64::NAN },
             leaves_room,
             z,

@@ -40,7 +40,8 @@ fn leads_or_follows(p: &Placement) -> bool {
 }
 
 /// The nearest vehicles ahead and behind in the ego's lane, frame by frame. If equal, the target with the first id is
-/// used, so that the order of candidates changes nothing.
+/// used, so that the order of candidates changes nothing. A vehicle beside the ego in a wide lane, with no part in the
+/// ego's way ahead, is no lead: its gap is infinite.
 pub fn neighbors(targets: &[Target<'_>], frames: usize) -> Neighbors {
     let mut found =
         Neighbors { lead: vec![None; frames], follower: vec![None; frames], maybe_lead: vec![None; frames] };
@@ -49,7 +50,8 @@ pub fn neighbors(targets: &[Target<'_>], frames: usize) -> Neighbors {
         for (row, place) in target.places.iter().enumerate() {
             let Some(p) = place.as_ref().filter(|p| leads_or_follows(p)) else { continue };
             let i = p.frame;
-            if p.ahead > 0.0 && p.near < nearest[i] {
+            let in_path = !p.approach.gap.is_infinite();
+            if p.ahead > 0.0 && in_path && p.near < nearest[i] {
                 nearest[i] = p.near;
                 found.lead[i] = Some((k, row));
             }

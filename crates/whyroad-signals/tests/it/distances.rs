@@ -1,8 +1,8 @@
 //! Gaps, times to contact and relations, compared with geometry done by hand: the ego is 4 m long and 2 m wide and
 //! drives along x in the right lane of `crate::scene::road`. Many are DESIGN.md's known traps.
-use crate::scene::{Table, add, add_seen, car, drive, near, road};
+use crate::scene::{Table, add, add_seen, car, drive, lane, map, near, road};
 use std::f64::consts::{FRAC_PI_2, PI};
-use whyroad_model::ObjectClass::{Bus, Car, Pedestrian};
+use whyroad_model::ObjectClass::{Bus, Car, Pedestrian, Truck};
 use whyroad_model::Tri::{False, True, Unknown};
 
 const INF: f64 = f64::INFINITY;
@@ -114,6 +114,52 @@ fn the_gap_to_a_bus_that_comes_over_is_to_its_rear() {
     near(bus(14.0), 5.935, 1e-2);
     // Beside the ego, with its front over the line: the part in the band counts, nothing overlaps.
     assert!(bus(4.0) > 0.0);
+}
+
+/// The ego drives straight to x = 0 and then on a circle of 8 m to the left around (0, 8), 5 m/s. A truck of 8 m by 2 m
+/// comes towards it in the other lane, its near side at y = 2.1: 1.1 m beside the ego when the ego is at x = 0, with
+/// its rear where the ego will turn. Its near side is in the band of 1.3 m beside the circle where it is within 6.7 m
+/// of the circle's center: from x = sqrt(6.7^2 - 5.9^2) = 3.175 m on, at an arc length of 8 atan(3.175 / 5.9) = 3.950 m
+/// from the ego's center, 1.950 m from its front. When the ego is there, the truck has gone.
+#[test]
+fn a_truck_beside_the_ego_where_it_will_turn_does_not_overlap() {
+    let turn = |t: f64| {
+        let s = 5.0 * (t - 1.0);
+        let a = (s.max(0.0) / 8.0).min(FRAC_PI_2);
+        (s.min(0.0) + 8.0 * a.sin(), 8.0 - 8.0 * a.cos(), a)
+    };
+    let mut d = drive(40, turn);
+    add(&mut d, "truck", Truck, (8.0, 2.0), |t| (4.0 - 15.0 * (t - 1.0), 3.1, PI));
+    let t = Table::of(&d);
+    near(t.num("truck", "target.distance", 10), 1.1, 1e-6);
+    near(t.num("truck", "target.gap", 10), 1.95, 0.05);
+    for frame in 0..40 {
+        assert!(t.num("truck", "target.gap", frame) >= 0.0, "frame {frame}");
+        assert_eq!(t.num("truck", "target.ttc", frame), INF, "frame {frame}");
+        assert_eq!(t.num("truck", "target.ttc_box", frame), INF, "frame {frame}");
+    }
+}
+
+/// In a lane of 9 m, the ego at its center passes a slower car 0.8 m to its left: 2.8 - 1 - 1. The boxes are beside
+/// each other while the centers are less than 4 m apart. The lead is the car ahead of both.
+#[test]
+fn a_car_beside_the_ego_in_a_wide_lane_is_neither_in_path_nor_the_lead() {
+    let mut d = drive(20, |t| (5.0 * t, 0.0, 0.0));
+    d.map = Some(map(vec![lane("wide", &[(-200.0, 0.0), (150.0, 0.0), (500.0, 0.0)], 9.0)]));
+    car(&mut d, "slow", |t| (6.5 + 2.0 * t, 2.8, 0.0));
+    car(&mut d, "lead", |t| (34.0 + 5.0 * t, 0.0, 0.0));
+    let t = Table::of(&d);
+    // Its rear is 6.5 - 3 * 0.5 - 2 = 3 m before the ego's center, 1 m before its front.
+    near(t.num("slow", "target.gap", 5), 1.0, 1e-6);
+    assert_eq!(t.flag("slow", "target.is_lead", 5), True);
+    // 3.2 m ahead, beside the ego's front part.
+    near(t.num("slow", "target.distance", 11), 0.8, 1e-6);
+    assert_eq!(t.flag("slow", "target.in_ego_lane", 11), True);
+    assert_eq!(t.num("slow", "target.gap", 11), INF);
+    assert_eq!(t.num("slow", "target.ttc", 11), INF);
+    assert_eq!(t.flag("slow", "target.is_lead", 11), False);
+    assert_eq!(t.flag("lead", "target.is_lead", 11), True);
+    near(t.ego("lead.gap", 11), 30.0, 1e-6);
 }
 
 #[test]

@@ -5,6 +5,7 @@ use crate::output::Print;
 use crate::output::reason::{cannot_read, no_project, stop};
 use crate::recordings::ServiceRecordings;
 use crate::store_args::error;
+use crate::text_table::width;
 use crate::{Global, output, store_args};
 use anyhow::Context as _;
 use serde_json::{Value, json};
@@ -245,7 +246,7 @@ fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
         let rows: Vec<Value> =
             all.iter().map(|(name, tasks)| json!({ "project": name, "tasks": tasks })).collect();
         a.print.put(&rows, || {
-            all.iter().map(|(name, counts)| format!("{name}  {}\n", words(counts))).collect()
+            all.iter().map(|(name, counts)| format!("{name}  {}\n", words(counts, global.lang))).collect()
         })?;
         return Ok(output::FINE);
     };
@@ -258,16 +259,42 @@ fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
         let mut out = String::new();
         for s in &summaries {
             let who = s.assigned_to.as_ref().or(s.author.as_ref()).map_or("-", String::as_str);
-            let (state, class, clip) = (s.state.word(), &s.scenario_id, &s.clip_id);
-            let _ = writeln!(out, "{}  {state:<13}  {class:<44}  {clip:<28}  {who}", s.id);
+            let (state, class, clip) = (state_name(s.state.word(), global.lang), &s.scenario_id, &s.clip_id);
+            let state = format!("{state}{}", " ".repeat(13_usize.saturating_sub(width(state))));
+            let _ = writeln!(out, "{}  {state}  {class:<44}  {clip:<28}  {who}", s.id);
         }
         out
     })?;
     Ok(output::FINE)
 }
 
-fn words(counts: &BTreeMap<String, i64>) -> String {
-    counts.iter().map(|(state, n)| format!("{state} {n}")).collect::<Vec<_>>().join(", ")
+/// A state of a task for people, as the labeling page names it in Chinese.
+pub(super) fn state_name(word: &str, lang: Lang) -> &str {
+    let zh = match word {
+        "open" => "待标注",
+        "stage1" => "阶段一",
+        "stage1_locked" => "阶段一已锁定",
+        "stage2" => "阶段二",
+        "submitted" => "待质检",
+        "in_check" => "质检中",
+        "rework" => "返工",
+        "checked" => "待抽检",
+        "in_audit" => "抽检中",
+        "accepted" => "已接受",
+        "skipped" => "已跳过",
+        "rejected" => "已剔除",
+        other => other,
+    };
+    if lang == Lang::Zh { zh } else { word }
+}
+
+/// Tasks by state; in Chinese with the words that `--state` takes.
+fn words(counts: &BTreeMap<String, i64>, lang: Lang) -> String {
+    let of = |(state, n): (&String, &i64)| match lang {
+        Lang::Zh => format!("{}（{state}）{n}", state_name(state, lang)),
+        Lang::En => format!("{state} {n}"),
+    };
+    counts.iter().map(of).collect::<Vec<_>>().join(if lang == Lang::Zh { "，" } else { ", " })
 }
 
 fn export(global: &Global, a: &Export) -> anyhow::Result<ExitCode> {
@@ -320,8 +347,24 @@ fn import(global: &Global, a: &Import) -> anyhow::Result<ExitCode> {
 
 #[cfg(test)]
 mod tests {
+    use super::{state_name, words};
     use whyroad_dataset::spec::Spec;
+    use whyroad_model::Lang;
+    use whyroad_server::domain::workflow::State;
     use whyroad_server::service::sample_window::{FUTURE_S, HISTORY_S};
+
+    /// Every state has a Chinese name; in a list of counts the word that `--state` takes is beside it.
+    #[test]
+    fn states_have_chinese_names() {
+        for state in State::ALL {
+            let name = state_name(state.word(), Lang::Zh);
+            assert!(!name.is_ascii(), "{name}");
+            assert_eq!(state_name(state.word(), Lang::En), state.word());
+        }
+        let counts = [("open".to_owned(), 3), ("submitted".to_owned(), 2)].into();
+        assert_eq!(words(&counts, Lang::Zh), "待标注（open）3，待质检（submitted）2");
+        assert_eq!(words(&counts, Lang::En), "open 3, submitted 2");
+    }
 
     #[test]
     fn the_window_of_tasks_is_that_of_the_default_spec() {

@@ -62,6 +62,10 @@ pub(super) fn mismatch(span: Span, a: Dimension, b: Dimension) -> Fault {
         format!("单位不一致：{} 与 {}", dimension_zh(a), dimension_zh(b)),
         format!("units do not match: {} and {}", dimension_en(a), dimension_en(b)),
     )
+    .hint(
+        "两边须为同一种量：改用另一个信号，或改正参数的单位",
+        "both sides must be of one kind: use another signal, or correct the unit of the parameter",
+    )
 }
 
 fn with_unit(word: &str, d: Dimension) -> String {

@@ -6,7 +6,7 @@ use crate::output::reason::stop;
 use crate::{Global, output};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
-use whyroad_dataset::export::{ExportFormat, ExportOptions, Exported, TraceLanguage, export};
+use whyroad_dataset::export::{ExportFormat, ExportOptions, Exported, TraceLanguage, export, reason_text};
 use whyroad_dataset::{Release, SplitName};
 use whyroad_model::Lang;
 
@@ -84,12 +84,34 @@ fn text(e: &Exported, lang: Lang) -> String {
     };
     for (reason, samples) in &e.left_out {
         out += &match lang {
-            Lang::Zh => format!("未导出 {} 个：{reason}（export.json 列出编号）\n", samples.len()),
+            Lang::Zh => {
+                format!("未导出 {} 个：{}（export.json 列出编号）\n", samples.len(), reason_text(reason).zh)
+            }
             Lang::En => format!("{} left out: {reason} (ids in export.json)\n", samples.len()),
         };
     }
     for note in &e.notes {
-        out += &format!("{note}\n");
+        out += &format!("{}\n", note.get(lang));
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Bilingual;
+
+    #[test]
+    fn notes_and_reasons_are_in_the_language_of_the_reader() {
+        let exported = Exported {
+            left_out: [("another rate than the samples before".to_owned(), vec!["s1".to_owned()])].into(),
+            notes: vec![Bilingual::new("未来不足 6.4 s", "less than 6.4 s of future")],
+            ..Exported::default()
+        };
+        let zh = text(&exported, Lang::Zh);
+        assert!(zh.contains("频率与前面的样本不同") && zh.contains("未来不足 6.4 s"), "{zh}");
+        assert!(!zh.contains("rate") && !zh.contains("future"), "{zh}");
+        let en = text(&exported, Lang::En);
+        assert!(en.contains("another rate") && en.contains("less than 6.4 s of future"), "{en}");
+    }
 }

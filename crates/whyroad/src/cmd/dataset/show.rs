@@ -1,6 +1,7 @@
 //! `whyroad dataset show` and `diff`: one sample with its lineage, and the differences of two releases.
 
 use super::refused;
+use crate::cmd::tasks::state_name;
 use crate::output::DataFormat;
 use crate::output::reason::stop;
 use crate::{Global, framework_folder, output};
@@ -91,7 +92,11 @@ fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
     let class = name.map_or(s.scenario_id.clone(), |n| format!("{} ({})", n.get(lang), s.scenario_id));
     let rows: Vec<(&str, &str, String)> = vec![
         ("样本", "sample", s.sample_id.clone()),
-        ("划分", "split", format!("{}{}{:.3}{}", s.split, t("（权重 ", " (weight "), s.weight, t("）", ")"))),
+        (
+            "划分",
+            "split",
+            format!("{}{}{:.3}{}", word(&s.split, lang), t("（权重 ", " (weight "), s.weight, t("）", ")")),
+        ),
         ("场景", "class", class),
         ("决策", "decision", format!("{} / {}", decision(&s.longitudinal), decision(&s.lateral))),
         ("因果描述（中文）", "trace (Chinese)", or(&s.trace_zh)),
@@ -115,8 +120,8 @@ fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
         ("事件", "episode", or(&l.episode_id)),
         ("任务", "task", or(&l.task_id)),
         ("标签", "label", format!("{} · sha256 {}", or(&l.label_version), l.label_sha256)),
-        ("标签状态", "label state", format!("{}{checked}", l.label_status)),
-        ("作者", "author", format!("{} {}", or(&l.label_source), or(&l.label_by))),
+        ("标签状态", "label state", format!("{}{checked}", word(&l.label_status, lang))),
+        ("作者", "author", format!("{} {}", word(&or(&l.label_source), lang), or(&l.label_by))),
         ("分类版本", "taxonomy version", or(&l.taxonomy_version)),
         ("规则版本", "rule version", or(&l.rule_version)),
         ("来源 / 许可", "source / license", format!("{} / {}", s.groups.source, s.groups.licence)),
@@ -136,6 +141,22 @@ fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
         };
     }
     out
+}
+
+/// A split, a state of a label or a kind of author for people; a word that has no name is as it is.
+fn word(word: &str, lang: Lang) -> &str {
+    let zh = match word {
+        "train" => "训练",
+        "val" => "验证",
+        "test" => "测试",
+        "draft" => "草稿",
+        "imported" => "导入",
+        "rule" => "规则",
+        "model" => "模型",
+        "person" => "人工",
+        other => return state_name(other, lang),
+    };
+    if lang == Lang::Zh { zh } else { word }
 }
 
 pub(super) fn diff(global: &Global, a: &DiffArgs) -> anyhow::Result<ExitCode> {
@@ -171,7 +192,7 @@ fn difference(d: &Difference, lang: Lang) -> String {
         *states.entry((x, y)).or_default() += 1;
     }
     for ((x, y), n) in states {
-        let _ = writeln!(out, "  label_status: {x} -> {y}: {n}");
+        let _ = writeln!(out, "  label_status: {} -> {}: {n}", word(x, lang), word(y, lang));
     }
     for (fact, n) in &d.facts {
         let _ = if zh {

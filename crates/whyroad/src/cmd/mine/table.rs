@@ -25,6 +25,9 @@ pub(in crate::cmd) struct Results<'a> {
     pub lang: Lang,
 }
 
+/// Maximum number of leaves with a faulty rule that are named.
+const NAMED: usize = 3;
+
 impl Results<'_> {
     /// The text, with the text on what drives lack where that is asked for.
     pub fn text(&self, missing: Option<String>) -> String {
@@ -149,13 +152,23 @@ impl Results<'_> {
         let (found, none) = (count(CoverageState::Found), count(CoverageState::NotFound));
         let in_part = asked().filter(|l| l.state == CoverageState::NotFound && !l.gaps.is_empty()).count();
         let (blind, without) = (count(CoverageState::NotObservable), count(CoverageState::NoRule));
-        let faulty = asked()
+        let faulty: Vec<String> = asked()
             .filter(|l| l.state == CoverageState::NoRule && self.faulty.contains(&l.scenario_id))
-            .count();
-        let faulty = match (faulty, self.lang) {
+            .map(|l| self.short_id(&l.scenario_id))
+            .collect();
+        let n = faulty.len();
+        let more = if n > NAMED { ", ..." } else { "" };
+        let named = faulty.into_iter().take(NAMED).collect::<Vec<_>>().join(", ");
+        let faulty = match (n, self.lang) {
             (0, _) => String::new(),
-            (_, Lang::Zh) => format!("（其中 {faulty} 个的规则有错误，不可用）"),
-            (_, Lang::En) => format!(" ({faulty} of them with a faulty rule)"),
+            (_, Lang::Zh) => {
+                format!("（其中 {n} 个的规则有错误，不可用：{named}{more}；它们的时刻可能列在所属的 L2 下）")
+            }
+            (_, Lang::En) => {
+                format!(
+                    " ({n} of them with a faulty rule: {named}{more}; moments of these may be listed as their L2)"
+                )
+            }
         };
         match self.lang {
             Lang::Zh => format!(

@@ -6,7 +6,7 @@ use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::path::Path;
 use std::process::ExitCode;
-use whyroad_framework::calibration::CALIBRATION_FILE;
+use whyroad_framework::calibration::{CALIBRATION_FILE, Calibration};
 use whyroad_framework::framework::utf8_text;
 use whyroad_framework::markdown::lint_markdown;
 use whyroad_framework::taxonomy::read_taxonomy;
@@ -59,10 +59,10 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
         let (catalog, of_signals) = Catalog::parse(&f.signals_yaml);
         found.extend(of_signals);
         found.extend(rule::lint::lint(f, &catalog));
-        found.extend(calibrated_but_unknown(f));
+        found.extend(calibrated_but_unknown(f, files.texts.get(CALIBRATION_FILE)));
         let (rules, _) = RuleSet::of_framework(f, &catalog);
         let errors = found.iter().filter(|d| d.severity == Severity::Error);
-        let faulty = errors.filter_map(|d| d.location.file.clone()).collect();
+        let faulty = errors.filter_map(|d| d.location.file.clone()).chain(rules.files_left_out(f)).collect();
         let mut tally =
             CaseRunner { rules: &rules, catalog: &catalog, faulty: &faulty }.run_all(&files.texts);
         cases = tally.cases.values().sum();
@@ -89,20 +89,23 @@ fn framework(global: &Global) -> anyhow::Result<Vec<Diagnostic>> {
 }
 
 /// Classes of the calibration table that the taxonomy does not have: renamed or retired ones.
-fn calibrated_but_unknown(framework: &Framework) -> impl Iterator<Item = Diagnostic> {
+fn calibrated_but_unknown(framework: &Framework, text: Option<&String>) -> Vec<Diagnostic> {
     let unknown = framework.calibration.classes.iter().filter(|c| !framework.taxonomy.contains(&c.id));
-    unknown.map(|class| {
+    let each = unknown.map(|class| {
         let id = &class.id;
         let message = Bilingual::new(
             format!("分类体系中没有类别 '{id}'，其校准不起作用"),
             format!("the taxonomy has no class '{id}', so its calibration has no effect"),
         );
         let hint = Bilingual::new(
-            "类别改名的，在此文件中同样改名并保持按 id 排序；类别取消的，删除该条目",
-            "where the class was renamed, rename it here too and keep the order by id; where it was retired, delete it",
+            "类别改名的，在此处同样改名；类别取消的，删除该条目",
+            "where the class was renamed, rename it here too; where it was retired, delete its entry",
         );
-        Diagnostic::warning("calibration.class", message).with_hint(hint).in_file(CALIBRATION_FILE)
-    })
+        let d = Diagnostic::warning("calibration.class", message).with_hint(hint).in_file(CALIBRATION_FILE);
+        let at = text.and_then(|text| Calibration::place(CALIBRATION_FILE, text, id));
+        at.into_iter().fold(d, Diagnostic::at)
+    });
+    each.collect()
 }
 
 pub(crate) fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
@@ -110,10 +113,66 @@ pub(crate) fn print(found: &[Diagnostic], format: FindingFormat, lang: Lang) {
         FindingFormat::Json => output::put(&format!("{:#}\n", diagnostic::render_json(found, lang))),
         FindingFormat::Sarif => output::put(&format!("{:#}\n", diagnostic::render_sarif(found, lang))),
         FindingFormat::Text => {
+            let found = &folded(found);
             let texts: Vec<String> = found.iter().map(|d| output::render_text(d, lang)).collect();
             output::put(&texts.join("\n"));
             let count = |s: Severity| found.iter().filter(|d| d.severity == s).count();
             say!("{}", diagnostic::summary(count(Severity::Error), count(Severity::Warning), lang));
         }
+    }
+}
+
+/// Maximum number of places that a finding names.
+const PLACES: usize = 3;
+
+/// One finding for all that say the same of different places, as of a class that many files name: the first place, and
+/// the others in its message. For people; programs get each.
+fn folded(found: &[Diagnostic]) -> Vec<Diagnostic> {
+    let mut out: Vec<(Diagnostic, Vec<String>)> = Vec::new();
+    for d in found {
+        let says = |o: &Diagnostic| {
+            (o.code, o.severity, &o.message, &o.hint) == (d.code, d.severity, &d.message, &d.hint)
+        };
+        let place = || {
+            let file = d.location.file.as_deref().unwrap_or_default();
+            d.location.line.map_or_else(|| file.to_owned(), |line| format!("{file}:{line}"))
+        };
+        match out.iter_mut().find(|(first, _)| says(first)) {
+            Some((_, others)) => others.push(place()),
+            None => out.push((d.clone(), Vec::new())),
+        }
+    }
+    let with_places = |(d, others): (Diagnostic, Vec<String>)| {
+        let n = others.len();
+        if n == 0 {
+            return d;
+        }
+        let named = others.iter().take(PLACES).cloned().collect::<Vec<_>>().join(", ");
+        let more = if n > PLACES { ", ..." } else { "" };
+        let message = Bilingual::new(
+            format!("{}（另有 {n} 处：{named}{more}）", d.message.zh),
+            format!("{} (and at {n} more: {named}{more})", d.message.en),
+        );
+        Diagnostic { message, ..d }
+    };
+    out.into_iter().map(with_places).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whyroad_model::Location;
+
+    #[test]
+    fn what_is_said_of_many_places_is_said_once() {
+        let at = |code, message: &str, line| {
+            let place = Location { file: Some("f.yaml".into()), line: Some(line), ..Location::default() };
+            Diagnostic::error(code, Bilingual::same(message)).at(place)
+        };
+        let found = [at("a", "x", 3), at("b", "x", 4), at("a", "x", 5), at("a", "y", 6), at("a", "x", 7)];
+        let shown = folded(&found);
+        let messages: Vec<&str> = shown.iter().map(|d| d.message.en.as_str()).collect();
+        assert_eq!(messages, ["x (and at 2 more: f.yaml:5, f.yaml:7)", "x", "y"]);
+        assert_eq!(shown[0].location.line, Some(3));
     }
 }
