@@ -152,6 +152,8 @@ export const labelTexts = {
     "Offline: {n} {n:change|changes} kept",
   ],
   "stage.offline.hint": ["恢复连接后自动保存，关闭页面也不会丢失。", "This browser keeps them, also when the page is closed, and saves them when the connection returns."],
+  "stage.not_offline": ["离线，未执行：修改保存在本机，恢复连接后再试。", "Offline, not done: your changes are kept in this browser. Try again once the connection is back."],
+  "stage.settle_first": ["未执行：同一处有两种修改，请先在表单上方选定一种。", "Not done: a field was changed in two places. Choose one version above the form first."],
   "stage.unsaved": ["{n} 处未保存", "{n} not saved"],
   "stage.restored": ["已恢复上次未保存的修改。", "Unsaved changes from your last visit were restored."],
   "stage.merged": ["已合并别处的修改：{what}", "Changes made elsewhere were merged: {what}"],
@@ -192,6 +194,7 @@ export const labelTexts = {
   "cause.title": ["原因", "Causes"],
   "cause.unobserved": ["未观测到", "Not observed"],
   "cause.reason": ["未观测到的理由", "Why the cause could not be observed"],
+  "cause.undecided": ["先选定两个决策。", "Choose both decisions first."],
   "cause.none": ["没有决策变化，不需要原因。", "No change of decision, so no cause is needed."],
 
   "trace.title": ["因果描述", "Causal trace"],
@@ -222,6 +225,8 @@ export const labelTexts = {
   "records.none": ["此 L3 场景没有必填记录。", "This L3 scenario requires no records."],
   "findings.title": ["校验结果", "Findings"],
   "findings.none": ["没有发现问题", "No findings"],
+  "findings.unchecked": ["有修改未保存，尚未校验", "unsaved changes are not checked yet"],
+  "findings.old": ["（按上次保存的内容）", "(about what was saved last)"],
   "findings.errors": ["{n} 个错误", "{n} {n:error|errors}"],
   "findings.warnings": ["{n} 个警告", "{n} {n:warning|warnings}"],
   "findings.notes": ["{n} 个提示", "{n} {n:note|notes}"],
@@ -268,6 +273,7 @@ export const labelTexts = {
     "{n} {n:field|fields} of the draft not confirmed yet: {fields}. Change each, or accept it with {key}.",
   ],
 
+  "draft.unchosen": ["还有 {n} 项未选：{fields}。", "{n} {n:decision|decisions} not chosen yet: {fields}."],
   "draft.by_model": ["草稿由模型 {model} 起草", "Drafted by the model {model}"],
   "judge.title": ["模型意见：{model}", "Opinion of the model {model}"],
   "judge.opinion": ["仅供参考，不影响接受或退回。", "For your information: it blocks nothing."],
@@ -370,7 +376,7 @@ export const labelTexts = {
   "conflict.title": ["同一处有两种修改", "Conflicting changes"],
   "conflict.text": ["保存时发现别处已改过。请逐处选择。", "This was also changed elsewhere. Choose one version for each field."],
   "conflict.mine": ["我的", "Mine"],
-  "conflict.theirs": ["对方的", "Theirs"],
+  "conflict.theirs": ["别处的", "The other"],
   "conflict.keep": ["用这个", "Use this"],
 
   "field.whole": ["整份标注", "The whole label"],
