@@ -28,8 +28,6 @@ export class TaskEditor {
   framework = $state.raw<Framework | null>(null);
   /** The label before anybody changed it; null while it is unknown. */
   initial = $state.raw<Json | null>(null);
-  /** Another task of the reader that has to be finished first. */
-  blockingTask = $state<string | null>(null);
   /** Track id of the object that is selected in the view. */
   selected = $state<string | null>(null);
   /** What was just done, for screen readers: undo may change what is out of sight. */
@@ -289,7 +287,6 @@ export class TaskEditor {
         return true;
       } catch (error) {
         const more = error instanceof ApiError ? error.more : {};
-        this.blockingTask = typeof more["task"] === "string" ? more["task"] : null;
         if (Array.isArray(more["findings"])) this.draft.findings = more["findings"] as Finding[];
         throw error;
       }

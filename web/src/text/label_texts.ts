@@ -328,6 +328,10 @@ export const labelTexts = {
   "stage.reopen": ["重新打开", "Reopen"],
 
   "check.accept": ["接受", "Accept"],
+  "check.open_comments": [
+    "您有 {n} 条未解决的意见：按 {back} 退回，或标为已解决。仍要接受，请再按一次 {accept}。",
+    "{n} {n:comment|comments} of yours {n:is|are} open: return the label ({back}), or resolve {n:it|them}. To accept it anyway, press {accept} again.",
+  ],
   "check.accept_key": ["{key} 不接受标注：看过之后按 {accept}。", "{key} does not accept a label: read it, then press {accept}."],
   "check.read_first": ["请先看标注：显示 {s} 秒后才能接受。", "Read the label first: it can be accepted after {s} s on screen."],
   "check.send_back": ["退回", "Return for rework"],
