@@ -6,8 +6,8 @@ use crate::domain::project::{
 };
 use crate::problem::Answer;
 use crate::service::copies::NOT_GOLD;
-use crate::service::projects::{self, DAY_MS, parse};
 use crate::service::disagreement::NOT_SUPERSEDED;
+use crate::service::projects::{self, DAY_MS, parse};
 use crate::service::{disagreement, drafts, safety, tasks, veil};
 use crate::store::Tx;
 use crate::values;

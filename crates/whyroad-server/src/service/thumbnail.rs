@@ -205,7 +205,10 @@ mod tests {
             known_at,
             ..Track::default()
         };
-        let lane = Lane { center: vec![Point3::default(), Point3 { x: 20.0, ..Point3::default() }], ..Lane::default() };
+        let lane = Lane {
+            center: vec![Point3::default(), Point3 { x: 20.0, ..Point3::default() }],
+            ..Lane::default()
+        };
         let shown = |known_at: Vec<Nanos>, gone: u32| {
             let mut object = track("a", known_at);
             object.frames.truncate(gone as usize);

@@ -601,7 +601,10 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                 )
                 .hint(
                     format!("以决策结尾，写出“{}”或同样意思的话；或检查决策", label.zh),
-                    format!("end with the decision, in words that mean '{}'; or check the decision", label.en),
+                    format!(
+                        "end with the decision, in words that mean '{}'; or check the decision",
+                        label.en
+                    ),
                 )
             });
         }

@@ -67,7 +67,11 @@ pub(super) fn contradiction(text: &str, n: &Named, words: &LabelWords, seen: &Se
         Some(SaidState::Crossing | SaidState::CuttingIn) if seen.fastest < CROSSES_MPS && seen.rows > 1 => {
             Some(speed())
         }
-        Some(SaidState::Slowing) if all(&|a| a > if brakes_hard(text) { HARD_MPS2 } else { OPPOSITE_MPS2 }) => Some(accel()),
+        Some(SaidState::Slowing)
+            if all(&|a| a > if brakes_hard(text) { HARD_MPS2 } else { OPPOSITE_MPS2 }) =>
+        {
+            Some(accel())
+        }
         Some(SaidState::Reversing) if seen.forwards && seen.slowest > FORWARDS_MPS => Some(Bilingual::new(
             format!("该目标在证据时间以 {:.0} km/h 向前行驶，并未倒车", kmh(seen.slowest)),
             format!("the object drives forwards at {:.0} km/h at the evidence times", kmh(seen.slowest)),
@@ -131,7 +135,9 @@ mod tests {
         assert!(!is_wrong("前方的轿车正在加速", ObjectClass::Car, 5.0, 0.2));
         // A lead that moves off, at 1.9 km/h and 0.6 m/s2: slowing down may be of a moment ago, not an emergency.
         let lead = |text: &str| is_wrong(text, ObjectClass::Car, 0.53, 0.6);
-        assert!(lead("前方的轿车正在急刹") && lead("the car ahead is braking hard") && lead("前方的轿车正在倒车"));
+        assert!(
+            lead("前方的轿车正在急刹") && lead("the car ahead is braking hard") && lead("前方的轿车正在倒车")
+        );
         assert!(!lead("前方的轿车正在减速") && !lead("前方的轿车刚起步") && !lead("前方的轿车停着"));
         let walker = |text: &str, speed: f64| is_wrong(text, ObjectClass::Pedestrian, speed, 0.0);
         assert!(walker("左前方的行人站在路边不动", 1.4) && !walker("左前方的行人站在路边不动", 0.4));
