@@ -283,6 +283,9 @@ export class TaskEditor {
       try {
         const task = await api.postTaskActions(this.id, action);
         if (action.action === "submit") this.review.clearStored();
+        // What was said of the stage before is over.
+        this.announcement = "";
+        this.draft.notice = null;
         await this.show(task);
         return true;
       } catch (error) {

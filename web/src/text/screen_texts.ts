@@ -49,6 +49,7 @@ export const screenTexts = {
   ],
   "table.sort": ["按此列排序", "Sort by this column"],
 
+  "login.ended": ["您已退出登录（在别的标签页，或登录已过期）。请重新登录；未保存的修改仍在本机。", "You were signed out, in another tab or since the session expired. Sign in again; unsaved changes are kept in this browser."],
   "login.title": ["登录", "Sign in"],
   "login.name": ["用户名", "User name"],
   "login.password": ["密码", "Password"],
