@@ -48,14 +48,16 @@ test("a key that leads to a part of the form does not replace the draft that the
   render(Trace, { editor });
   const pressed: string[] = [];
   const stop = handleKeys({ toTrace: () => pressed.push("trace"), toLateral: () => pressed.push("lateral") });
-  const press = (key: string): boolean => {
-    const e = new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true });
+  const press = (key: string, more: KeyboardEventInit = {}): boolean => {
+    const e = new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more });
     document.activeElement?.dispatchEvent(e);
     onKeydown(e);
     return e.defaultPrevented;
   };
   box("state").focus();
   assert.equal(selected("state"), "路口内的轿车已停下");
+  // Pressed once too often.
+  press("a", { altKey: true });
   assert.ok(press("5") && document.activeElement === document.body);
   // Once something was typed, or after another key, digits are text.
   box("state").focus();
