@@ -156,11 +156,15 @@ async function takenAway(day) {
   }, day.second);
   assert.equal(gone, 200);
   await description(page, day.row).fill("任务被转走时写下的一句");
-  await page.getByText("此任务已被他人领取，或已超过领取时限").waitFor();
+  await page.getByText("此任务已被他人领取").waitFor();
   const kept = await page.evaluate(() => JSON.stringify({ ...localStorage }));
   assert.ok(kept.includes("任务被转走时写下的一句"), "what was typed is still on this machine");
   assert.equal(await description(page, day.row).count(), 0, "nothing more can be typed into another's task");
   await shot(day, page, "lost-lease");
+  // After a reload, too: to read and to copy.
+  await page.reload();
+  await page.getByText("本机保留的未保存修改").waitFor();
+  await page.getByText("任务被转走时写下的一句").waitFor();
 }
 
 export const troubles = [

@@ -140,8 +140,8 @@ export const labelTexts = {
   "stage.superseded": ["只读：裁决采用了另一份，导出不含这一份。", "Read-only: the adjudication uses another label; this one is not exported."],
   "stage.read_only": ["只读：您没有领取此任务。", "Read-only: you do not hold this task."],
   "stage.lost": [
-    "此任务已被他人领取，或已超过领取时限。未保存的修改仍保留在本机。",
-    "Another user has taken this task, or your lease has expired. Unsaved changes are kept in this browser.",
+    "此任务已被他人领取、由负责人重新打开，或已超过领取时限。未保存的修改仍保留在本机。",
+    "Another user has taken this task, a lead has reopened it, or your lease has expired. Unsaved changes are kept in this browser.",
   ],
   "stage.kept_here": ["本机保留的未保存修改（可复制）", "Unsaved changes kept in this browser (they can be copied)"],
   "stage.other_tab": ["此任务也在您的另一个标签页中打开。", "This task is also open in another of your tabs."],
