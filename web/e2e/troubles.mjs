@@ -2,7 +2,7 @@
 // each of them everything that was typed is there, and the users were informed.
 import assert from "node:assert/strict";
 import { PROJECT } from "./begin.mjs";
-import { checkAccessibility, PATIENCE_MS } from "./people.mjs";
+import { checkAccessibility, PATIENCE_MS, readStageOne } from "./people.mjs";
 import { shot } from "./shots.mjs";
 
 const description = (page, n) => page.locator(`[data-component="${n}"] textarea`);
@@ -44,6 +44,12 @@ async function offline(day) {
   await description(page, day.row).fill("断网时写下的一句");
   await saving(page, "offline").waitFor();
   assert.match(await saving(page, "offline").innerText(), /离线：1 处修改只在本机/);
+  // Nothing is locked unsaved, and the page says so; what it has not checked is not free of findings.
+  await readStageOne(page);
+  await page.keyboard.press("Control+Enter");
+  await page.getByText("离线，未执行：修改保存在本机").waitFor();
+  assert.match(await saving(page, "offline").innerText(), /离线：1 处修改只在本机/);
+  await page.locator('[data-section="findings"]').getByText("尚未校验").waitFor();
   await shot(day, page, "offline");
   await context.setOffline(false);
   await saving(page, "saved").waitFor();
@@ -71,6 +77,22 @@ async function crash(day) {
   day.people.zhao.page = next;
 }
 
+/** A component that was removed is back with one stroke, also from within a text. */
+async function removed(day) {
+  const { page } = day.people.zhao;
+  const before = await stored(page, day.second);
+  await description(page, day.row).click();
+  await page.keyboard.press("Escape");
+  await page.keyboard.press("Delete");
+  await until(() => stored(page, day.second), (all) => all.length === before.length - 1, "it is removed");
+  const others = page.locator("[data-component] textarea");
+  if ((await others.count()) > 0) await others.first().click();
+  await page.keyboard.press("Control+z");
+  await description(page, day.row).waitFor();
+  await page.keyboard.press("Escape");
+  assert.deepEqual(await until(() => stored(page, day.second), (all) => all.length === before.length, "it is back"), before);
+}
+
 async function twoTabs(day) {
   const { page, context } = day.people.zhao;
   const other = await context.newPage();
@@ -95,8 +117,10 @@ async function conflict(day) {
   const asked = page.getByRole("alertdialog");
   await asked.waitFor();
   const text = await asked.innerText();
-  for (const word of ["这一页的说法", "另一页的说法", "我的", "对方的", "描述"]) assert.ok(text.includes(word), `${word} in ${text}`);
+  for (const word of ["这一页的说法", "另一页的说法", "我的", "别处的", "描述"]) assert.ok(text.includes(word), `${word} in ${text}`);
   assert.ok(!/[{}"]|critical_components/.test(text), `no JSON for people: ${text}`);
+  await page.keyboard.press("Control+Enter");
+  await page.getByText("未执行：同一处有两种修改").waitFor();
   await shot(day, page, "conflict");
   await checkAccessibility(page, "conflict");
   await asked.getByRole("button", { name: "用这个" }).first().click();
@@ -132,16 +156,21 @@ async function takenAway(day) {
   }, day.second);
   assert.equal(gone, 200);
   await description(page, day.row).fill("任务被转走时写下的一句");
-  await page.getByText("此任务已被他人领取，或已超过领取时限").waitFor();
+  await page.getByText("此任务已被他人领取").waitFor();
   const kept = await page.evaluate(() => JSON.stringify({ ...localStorage }));
   assert.ok(kept.includes("任务被转走时写下的一句"), "what was typed is still on this machine");
   assert.equal(await description(page, day.row).count(), 0, "nothing more can be typed into another's task");
   await shot(day, page, "lost-lease");
+  // After a reload, too: to read and to copy.
+  await page.reload();
+  await page.getByText("本机保留的未保存修改").waitFor();
+  await page.getByText("任务被转走时写下的一句").waitFor();
 }
 
 export const troubles = [
   ["an annotator takes the next task of the queue", takeOne],
   ["without network what is typed stays here, and is saved on return", offline],
+  ["a component that was removed comes back, and nothing else changes", removed],
   ["a page that dies loses nothing", crash],
   ["two tabs of one person show one draft", twoTabs],
   ["one field changed in two places: both sides in words, one is chosen", conflict],

@@ -23,6 +23,12 @@ export class RequestState {
     return this.#error instanceof ApiError ? this.#error.code : "";
   }
 
+  /** Another task of the reader that has to be finished first; null where that is not why. */
+  get blockingTask(): string | null {
+    const task = this.#error instanceof ApiError && this.code === "task.stage1_first" ? this.#error.more["task"] : null;
+    return typeof task === "string" ? task : null;
+  }
+
   /** Shows an error found in the page itself. */
   fail(text: string): void {
     this.#error = text;

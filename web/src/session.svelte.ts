@@ -13,7 +13,9 @@ export const session = $state<{
   provider: string | null;
   /** Address at the provider that signs out there as well; set after signing out here. */
   providerSignOut: string | null;
-}>({ status: "loading", user: null, provider: null, providerSignOut: null });
+  /** The session ended while the page was in use: in another tab, or by its time. */
+  ended: boolean;
+}>({ status: "loading", user: null, provider: null, providerSignOut: null, ended: false });
 
 /** Why signing in at the identity provider failed; shown by the next screen. */
 export const providerReturn = $state<{ error: unknown }>({ error: null });
@@ -69,6 +71,7 @@ function signedIn(s: Session): void {
   clearCache();
   adopt(s);
   session.providerSignOut = null;
+  session.ended = false;
   useAccountLanguage();
 }
 
@@ -115,6 +118,7 @@ onStaleSession(async () => {
   setCsrf(now.csrf);
   session.user = null;
   session.status = "out";
+  session.ended = true;
   return false;
 });
 
@@ -124,5 +128,6 @@ export function sessionEnded(error: unknown): boolean {
   if (!(error instanceof ApiError) || error.status !== 401 || session.status !== "in") return false;
   session.user = null;
   session.status = "out";
+  session.ended = true;
   return true;
 }

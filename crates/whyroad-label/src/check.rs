@@ -198,5 +198,15 @@ impl<'f> Checker<'f> {
     }
 }
 
+/// The beginning of a quoted text.
+fn excerpt(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let text = text.trim().trim_start_matches(['，', ',', ' ']);
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests;

@@ -63,6 +63,21 @@ test("a read is tried again after a failed network and a passing 503, a write ne
   assert.equal(sent.length, 1);
 });
 
+test("an unchanged answer is known, also where many others came while it was on its way", async () => {
+  serve(json({ n: 1 }, 200, { etag: '"v1"' }));
+  await call("GET", "/kept");
+  let answer = (_: Response): void => {};
+  globalThis.fetch = () => new Promise((done) => (answer = done));
+  const waiting = call("GET", "/kept");
+  const mine = answer;
+  for (let n = 0; n < 60; n++) {
+    serve(json({ n }, 200, { etag: `"o${n}"` }));
+    await call("GET", `/other/${n}`);
+  }
+  mine(new Response(null, { status: 304 }));
+  assert.deepEqual(await waiting, { n: 1 });
+});
+
 test("an unchanged answer is not sent twice, and is forgotten with its reader", async () => {
   serve(json({ n: 1 }, 200, { etag: '"v1"' }), new Response(null, { status: 304 }), json({ n: 2 }));
   await call("GET", "/kept");

@@ -84,8 +84,10 @@ export async function call<T>(method: Method, path: string, body?: unknown, opti
   for (let attempt = 0; ; attempt++) {
     const delay = delays[attempt];
     try {
-      const response = await send(method, path, body, options.timeoutMs ?? TIMEOUT_MS);
-      if (delay === undefined || !TRANSIENT_STATUS.includes(response.status)) return await receive<T>(method, path, response);
+      // Kept for the answer: while it is on its way, other answers may take its place in the cache.
+      const known = method === "GET" ? cache.get(path) : undefined;
+      const response = await send(method, path, body, known, options.timeoutMs ?? TIMEOUT_MS);
+      if (delay === undefined || !TRANSIENT_STATUS.includes(response.status)) return await receive<T>(method, path, known, response);
     } catch (error) {
       // The service refused it before it did anything: it may be repeated.
       if (error instanceof ApiError && error.code === "session.csrf" && attempt === 0 && renew && (await renew())) continue;
@@ -95,14 +97,13 @@ export async function call<T>(method: Method, path: string, body?: unknown, opti
   }
 }
 
-async function send(method: Method, path: string, body: unknown, timeoutMs: number): Promise<Response> {
+async function send(method: Method, path: string, body: unknown, known: CachedResponse | undefined, timeoutMs: number): Promise<Response> {
   const headers: Record<string, string> = { accept: "application/json" };
   const init: RequestInit = { method, headers, credentials: "same-origin", signal: AbortSignal.timeout(timeoutMs) };
   if (method === "GET") {
     // The browser's own cache would answer for the user who was signed in before.
     init.cache = "no-store";
-    const etag = cache.get(path)?.etag;
-    if (etag) headers["if-none-match"] = etag;
+    if (known) headers["if-none-match"] = known.etag;
   } else {
     headers["x-csrf-token"] = csrf;
   }
@@ -120,11 +121,8 @@ async function send(method: Method, path: string, body: unknown, timeoutMs: numb
   }
 }
 
-async function receive<T>(method: Method, path: string, response: Response): Promise<T> {
-  if (response.status === 304) {
-    const cached = cache.get(path);
-    if (cached) return cached.data as T;
-  }
+async function receive<T>(method: Method, path: string, known: CachedResponse | undefined, response: Response): Promise<T> {
+  if (response.status === 304 && known) return known.data as T;
   let text: string;
   try {
     text = await response.text();

@@ -23,7 +23,16 @@ test("whatever types a character into a field stays with the field", () => {
     if (types) assert.ok(fieldKeeps("text", key, action), `${action} takes ${key} from a text field`);
   }
   assert.ok(!fieldKeeps("text", "Ctrl+Enter", "advance"));
-  assert.ok(fieldKeeps("text", "Ctrl+Z", "undo"), "a field has its own undo");
+  assert.ok(fieldKeeps("text", "Ctrl+Z", "undo"), "a field of another form has its own undo");
+});
+
+test("text of the label is undone by the page, and keeps every other stroke", () => {
+  assert.ok(!fieldKeeps("undone", "Ctrl+Z", "undo") && !fieldKeeps("undone", "Ctrl+Shift+Z", "redo"));
+  assert.ok(fieldKeeps("undone", "J", "undo"), "a key of one's own that types");
+  for (const action of actionIds) {
+    if (action === "undo" || action === "redo") continue;
+    assert.equal(fieldKeeps("undone", actions[action].key, action), fieldKeeps("text", actions[action].key, action), action);
+  }
 });
 
 test("choices keep their arrows, buttons their space, the page gives both to the player", () => {
@@ -39,7 +48,7 @@ test("choices keep their arrows, buttons their space, the page gives both to the
 
 test("a key that is held steps through frames, but does nothing to a task again", () => {
   for (const action of ["forward", "back", "zoomIn"] as const) assert.ok(repeats(action), action);
-  for (const action of ["advance", "accept", "acceptField", "safe", "sendBack"] as const) assert.ok(!repeats(action), action);
+  for (const action of ["advance", "accept", "acceptField", "safe", "sendBack", "removeComponent"] as const) assert.ok(!repeats(action), action);
 });
 
 test("a key can be moved, but not onto another action's, and a key for everywhere must not type", () => {

@@ -133,14 +133,18 @@ export function actionOf(stroke: string, own: Bindings): ActionId | null {
 
 /**
  * Does holding the key down repeat the action? Steps of the player do; what is done to a task is done once per press,
- * so that a key that is held does not go on to the next field or task.
+ * so that a key that is held does not go on to the next field or task, and so is removing a component.
  */
 export function repeats(action: ActionId): boolean {
-  return actions[action].group !== "task";
+  return actions[action].group !== "task" && action !== "removeComponent";
 }
 
-/** Kind of the focused element: it decides which strokes belong to it. */
-export type Focus = "text" | "choice" | "radio" | "button" | "slider" | "page";
+/** Does the stroke type or move something in a text field? */
+const types = (stroke: string): boolean =>
+  !stroke.startsWith("Ctrl+") && !stroke.startsWith("Alt+") && stroke !== "Escape" && !/^F\d+$/.test(stroke);
+
+/** Kind of the focused element: it decides which strokes belong to it. `undone`: text that the page's undo takes back. */
+export type Focus = "text" | "undone" | "choice" | "radio" | "button" | "slider" | "page";
 
 /**
  * Does the focused element need this stroke itself? Text needs all that types; the others what operates them. A radio
@@ -148,8 +152,10 @@ export type Focus = "text" | "choice" | "radio" | "button" | "slider" | "page";
  * looks at the frames does not change a decision.
  */
 export function fieldKeeps(focus: Focus, stroke: string, action: ActionId): boolean {
-  if (focus === "text") return actions[action].reach !== "always";
-  const keys: Record<Exclude<Focus, "text">, readonly string[]> = {
+  // With a key of its own that types, undo would take a character from the text.
+  const undoes = focus === "undone" && (action === "undo" || action === "redo") && !types(stroke);
+  if (focus === "text" || focus === "undone") return actions[action].reach !== "always" && !undoes;
+  const keys: Record<Exclude<Focus, "text" | "undone">, readonly string[]> = {
     page: [],
     button: ["Space", "Enter"],
     choice: ["Space", "Enter", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End"],
@@ -165,6 +171,5 @@ export type Refused = { clash: ActionId } | { types: true };
 export function bindingProblem(action: ActionId, stroke: string, own: Bindings): Refused | null {
   const other = actionIds.find((a) => a !== action && keyOf(a, own) === stroke);
   if (other) return { clash: other };
-  const types = !stroke.startsWith("Ctrl+") && !stroke.startsWith("Alt+") && stroke !== "Escape" && !/^F\d+$/.test(stroke);
-  return actions[action].reach === "always" && types ? { types: true } : null;
+  return actions[action].reach === "always" && types(stroke) ? { types: true } : null;
 }

@@ -41,6 +41,7 @@ export function handleKeys(handlers: Handlers): () => void {
 }
 
 function focusOf(element: Element | null): Focus {
+  if (element instanceof HTMLElement && element.dataset["undo"] === "page") return "undone";
   if (element instanceof HTMLTextAreaElement) return "text";
   if (element instanceof HTMLInputElement) {
     if (element.type === "radio") return element.checked ? "radio" : "choice";

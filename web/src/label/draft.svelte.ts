@@ -2,7 +2,7 @@
 // tabs.
 import * as api from "../api/calls.generated.ts";
 import type { Conflicts, DraftSaved, Finding, Task } from "../api/types.ts";
-import { apply, type Change, rooted } from "./changes.ts";
+import { apply, type Change, rooted, within } from "./changes.ts";
 import { ConflictList, type Side } from "./conflicts.svelte.ts";
 import { SERVICE_FIELDS } from "./field_pointers.ts";
 import { type Json, read, same } from "./pointer.ts";
@@ -95,6 +95,12 @@ export class Draft {
     const changes = this.undoHistory.redo();
     changes?.forEach((change) => this.#write(change));
     return changes?.[0]?.path ?? null;
+  }
+
+  /** What is shown in the field at `path` cannot be saved now, so that the findings are about an earlier value. */
+  isUnchecked(path = ""): boolean {
+    const isStuck = ["offline", "lost", "refused"].includes(this.queue.status) || this.conflicts.isOpen;
+    return isStuck && this.queue.unsavedPaths.some((p) => within(p, path) || within(path, p));
   }
 
   flush(): Promise<boolean> {

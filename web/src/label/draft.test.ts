@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "vitest";
 import type { Task } from "../api/types.ts";
 import { Draft } from "./draft.svelte.ts";
+import { findingCounts } from "../components/label/finding_counts.ts";
 import type { Json } from "./pointer.ts";
 
 type Answer = { status: number; body: unknown } | "offline";
@@ -48,6 +49,21 @@ test("a change is on this machine before it is sent, and only there until it is 
   assert.deepEqual(sent, [["/coc_trace"]]);
   assert.equal(draft.queue.status, "saved");
   assert.equal(localStorage.length, 0);
+  draft.close();
+});
+
+test("findings about a text that cannot be saved are not about what is shown", async () => {
+  const draft = opened({ coc_trace: "", records: {} });
+  draft.set("/coc_trace", "a");
+  assert.ok(!draft.isUnchecked("/coc_trace"), "it will be sent in a moment");
+  answer = () => "offline";
+  await draft.flush();
+  assert.ok(draft.isUnchecked() && draft.isUnchecked("/coc_trace") && !draft.isUnchecked("/records"));
+  assert.equal(findingCounts([], draft.isUnchecked()), "unsaved changes are not checked yet");
+  answer = ({ base_version }) => ({ status: 200, body: { version: base_version + 1, findings: [], lease_until: 0 } });
+  assert.ok(await draft.flush());
+  assert.ok(!draft.isUnchecked());
+  assert.equal(findingCounts([], draft.isUnchecked()), "No findings");
   draft.close();
 });
 

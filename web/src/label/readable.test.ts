@@ -20,6 +20,9 @@ const words: LabelContext = {
 test("values become words in both languages", () => {
   assert.equal(readable("resume", words, "zh"), "起步");
   assert.equal(readable({ longitudinal: "resume", lateral: null }, words, "en"), "longitudinal Resume; lateral null");
+  assert.equal(readable({ longitudinal: "resume", lateral: null }, words, "zh", "/driving_decision"), "纵向 起步；横向 无决策变化", "a judgment, not an empty field");
+  assert.equal(readable(null, words, "en", "/driving_decision/lateral"), "No change");
+  assert.equal(readable({ lateral: null }, words, "zh", "/causes"), "横向 空");
   assert.equal(readable({ timestamp: "2026-01-15T10:30:09.400Z", frame_idx: 94, type: "reactive" }, words, "zh"), "−0.3 s");
   const component = { id: "c1", category: "critical_objects", description: "lead", uncertainty: "low" };
   assert.equal(readable([component], words, "en"), "c1: lead; category critical objects; uncertainty low");

@@ -1,9 +1,10 @@
 // Values of a label as text, for conflicts, comparisons and earlier values.
+import { labelTexts } from "../text/label_texts.ts";
 import type { TextPair } from "../text/screen_texts.ts";
 import type { Lang } from "../text/text.svelte.ts";
-import { categoryOf, className, type Framework, type RecordSpec, type Spec } from "./framework.ts";
-import { HIDDEN_MEMBERS, memberNames } from "./field_pointers.ts";
-import type { Json } from "./pointer.ts";
+import { categoryOf, channels, className, type Framework, type RecordSpec, type Spec } from "./framework.ts";
+import { HIDDEN_MEMBERS, memberNames, pointers } from "./field_pointers.ts";
+import { type Json, pointer } from "./pointer.ts";
 import { signed } from "./times.ts";
 import { UNKNOWN } from "./unknown.ts";
 
@@ -16,6 +17,8 @@ export interface LabelContext {
   /** The name of an object on the screen; without it objects are shown by id. */
   trackName?(id: string): string;
 }
+
+const DECISIONS: ReadonlySet<string> = new Set(channels.map(pointers.decisionOf));
 
 const MOMENT = /^\d{4}-\d\d-\d\dT/;
 
@@ -34,9 +37,12 @@ const FIXED: Record<string, TextPair> = {
   unknown: ["未知", "unknown"],
 };
 
-export function readable(value: Json | undefined, words: LabelContext, lang: Lang): string {
+/** `path`: where in the label the value is, as far as the caller knows. */
+export function readable(value: Json | undefined, words: LabelContext, lang: Lang, path = ""): string {
   const zh = lang === "zh";
   if (value === undefined) return zh ? "（无）" : "(nothing)";
+  // No change is a judgment, not an empty field (SPEC 2.3).
+  if (value === null && DECISIONS.has(path)) return labelTexts["dec.null"][zh ? 0 : 1];
   if (value === null) return zh ? "空" : "null";
   if (typeof value === "boolean") return zh ? (value ? "是" : "否") : value ? "yes" : "no";
   if (typeof value === "number") return String(value);
@@ -53,7 +59,7 @@ export function readable(value: Json | undefined, words: LabelContext, lang: Lan
     .map(([key, v]) => {
       const record = memberNames[key] ? undefined : words.spec?.records.find((r) => r.id === key);
       if (record) return `${record.name[lang] || key} ${recorded(record, v, words, lang)}`;
-      const text = readable(key === "linked_objects" ? named(v, words) : v, words, lang);
+      const text = readable(key === "linked_objects" ? named(v, words) : v, words, lang, path + pointer(key));
       return SELF_EVIDENT.has(key) ? text : `${memberNames[key]?.[zh ? 0 : 1] ?? key} ${text}`;
     });
   return id + parts.join(zh ? "；" : "; ");

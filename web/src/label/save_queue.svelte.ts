@@ -34,6 +34,8 @@ export class SaveQueue {
   status = $state<SaveStatus>("saved");
   /** Number of changes that the service has not acknowledged. */
   unsaved = $state(0);
+  /** Their fields. */
+  unsavedPaths = $state.raw<readonly string[]>([]);
   /** Why the service rejected a change; null when it did not. */
   refused = $state.raw<ApiError | null>(null);
 
@@ -148,6 +150,7 @@ export class SaveQueue {
   #store(): void {
     const changes = [...this.#sending, ...this.#pending];
     // A time and its frame are one change for people.
+    this.unsavedPaths = changes.map((c) => c.path);
     this.unsaved = changes.filter((c) => !isHidden(c.path)).length;
     if (this.#fence !== null) writeUnsaved(this.#user, this.#task, { base: this.#version, changes });
   }

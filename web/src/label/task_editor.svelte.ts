@@ -28,8 +28,6 @@ export class TaskEditor {
   framework = $state.raw<Framework | null>(null);
   /** The label before anybody changed it; null while it is unknown. */
   initial = $state.raw<Json | null>(null);
-  /** Another task of the reader that has to be finished first. */
-  blockingTask = $state<string | null>(null);
   /** Track id of the object that is selected in the view. */
   selected = $state<string | null>(null);
   /** What was just done, for screen readers: undo may change what is out of sight. */
@@ -142,22 +140,36 @@ export class TaskEditor {
     return this.draft.findings.filter((f) => within(f.pointer, path));
   }
 
+  /** What a draft said in the field at `path`; undefined where nobody said anything, or that is unknown. */
+  draftedAt(path: string): Json | undefined {
+    const before = this.initialAt(path);
+    return before === null && this.#isUndrafted() ? undefined : before;
+  }
+
+  /** Nothing was drafted: the label's nulls are no "no change" of anybody. */
+  #isUndrafted(): boolean {
+    return this.initial !== null && (this.initialAt(pointers.trace) ?? "") === "";
+  }
+
   /** The validator rejects the drafted value: it cannot be accepted unchanged. */
   mustRewrite(path: string): boolean {
     return this.findingsAt(path).some((f) => f.severity === "error");
   }
 
-  /**
-   * Nothing was drafted, and the decision at `path` still to be chosen: the label's null is no "no change" of anybody.
-   */
+  /** Nothing was drafted, and the decision at `path` is still to be chosen. */
   isUnchosen(path: string): boolean {
-    const undrafted = this.initial !== null && (this.initialAt(pointers.trace) ?? "") === "";
-    return undrafted && this.initialAt(path) === null && this.unaccepted.includes(path);
+    return this.#isUndrafted() && this.initialAt(path) === null && this.unaccepted.includes(path);
   }
 
   /** Accepts the drafted field at `path` as it is. */
   accept(path: string): void {
     if (!this.mustRewrite(path)) this.review.accept(path);
+  }
+
+  /** The reader chose the value of the field at `path`, also one that the validator rejects. */
+  chose(path: string): void {
+    if (this.isUnchosen(path)) this.review.accept(path);
+    else this.accept(path);
   }
 
   /** Loads everything; on a second call only what a change of stage can change. */
@@ -246,7 +258,9 @@ export class TaskEditor {
   private isUnaccepted(path: string): boolean {
     const before = this.initialAt(path);
     if (before === undefined || !isFilled(path, before)) return false;
-    return !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && !this.mustRewrite(path);
+    // What nobody said is to be chosen, whatever the validator says of it.
+    const canStay = !this.mustRewrite(path) || this.draftedAt(path) === undefined;
+    return !this.#isEvident(path) && this.#isAsDrafted(path, before) && !this.review.accepted.has(path) && canStay;
   }
 
   /** The trace is as drafted while its state and its reason are: its decision follows the choice by itself. */
@@ -269,11 +283,13 @@ export class TaskEditor {
       try {
         const task = await api.postTaskActions(this.id, action);
         if (action.action === "submit") this.review.clearStored();
+        // What was said of the stage before is over.
+        this.announcement = "";
+        this.draft.notice = null;
         await this.show(task);
         return true;
       } catch (error) {
         const more = error instanceof ApiError ? error.more : {};
-        this.blockingTask = typeof more["task"] === "string" ? more["task"] : null;
         if (Array.isArray(more["findings"])) this.draft.findings = more["findings"] as Finding[];
         throw error;
       }

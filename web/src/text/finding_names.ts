@@ -12,6 +12,7 @@ const NAMES: Readonly<Record<string, readonly [zh: string, en: string]>> = {
   "label.time_range.start": ["时间范围起点偏离规格", "range start off the specification"],
   "label.secondary.primary": ["主场景又列为次场景", "primary class also a secondary one"],
   "label.component.duplicate": ["关键要素重复", "duplicate component"],
+  "label.component.too_long": ["关键要素过长", "component too long"],
   "label.component.too_short": ["关键要素过短", "component too short"],
   "label.text.unrelated": ["文字与驾驶无关", "text not about driving"],
   "label.object.unknown": ["没有文字所说的目标", "no object of the kind"],

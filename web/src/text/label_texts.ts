@@ -140,8 +140,8 @@ export const labelTexts = {
   "stage.superseded": ["只读：裁决采用了另一份，导出不含这一份。", "Read-only: the adjudication uses another label; this one is not exported."],
   "stage.read_only": ["只读：您没有领取此任务。", "Read-only: you do not hold this task."],
   "stage.lost": [
-    "此任务已被他人领取，或已超过领取时限。未保存的修改仍保留在本机。",
-    "Another user has taken this task, or your lease has expired. Unsaved changes are kept in this browser.",
+    "此任务已被他人领取、由负责人重新打开，或已超过领取时限。未保存的修改仍保留在本机。",
+    "Another user has taken this task, a lead has reopened it, or your lease has expired. Unsaved changes are kept in this browser.",
   ],
   "stage.kept_here": ["本机保留的未保存修改（可复制）", "Unsaved changes kept in this browser (they can be copied)"],
   "stage.other_tab": ["此任务也在您的另一个标签页中打开。", "This task is also open in another of your tabs."],
@@ -152,6 +152,8 @@ export const labelTexts = {
     "Offline: {n} {n:change|changes} kept",
   ],
   "stage.offline.hint": ["恢复连接后自动保存，关闭页面也不会丢失。", "This browser keeps them, also when the page is closed, and saves them when the connection returns."],
+  "stage.not_offline": ["离线，未执行：修改保存在本机，恢复连接后再试。", "Offline, not done: your changes are kept in this browser. Try again once the connection is back."],
+  "stage.settle_first": ["未执行：同一处有两种修改，请先在表单上方选定一种。", "Not done: a field was changed in two places. Choose one version above the form first."],
   "stage.unsaved": ["{n} 处未保存", "{n} not saved"],
   "stage.restored": ["已恢复上次未保存的修改。", "Unsaved changes from your last visit were restored."],
   "stage.merged": ["已合并别处的修改：{what}", "Changes made elsewhere were merged: {what}"],
@@ -192,6 +194,7 @@ export const labelTexts = {
   "cause.title": ["原因", "Causes"],
   "cause.unobserved": ["未观测到", "Not observed"],
   "cause.reason": ["未观测到的理由", "Why the cause could not be observed"],
+  "cause.undecided": ["先选定两个决策。", "Choose both decisions first."],
   "cause.none": ["没有决策变化，不需要原因。", "No change of decision, so no cause is needed."],
 
   "trace.title": ["因果描述", "Causal trace"],
@@ -222,6 +225,8 @@ export const labelTexts = {
   "records.none": ["此 L3 场景没有必填记录。", "This L3 scenario requires no records."],
   "findings.title": ["校验结果", "Findings"],
   "findings.none": ["没有发现问题", "No findings"],
+  "findings.unchecked": ["有修改未保存，尚未校验", "unsaved changes are not checked yet"],
+  "findings.old": ["（按上次保存的内容）", "(about what was saved last)"],
   "findings.errors": ["{n} 个错误", "{n} {n:error|errors}"],
   "findings.warnings": ["{n} 个警告", "{n} {n:warning|warnings}"],
   "findings.notes": ["{n} 个提示", "{n} {n:note|notes}"],
@@ -268,6 +273,7 @@ export const labelTexts = {
     "{n} {n:field|fields} of the draft not confirmed yet: {fields}. Change each, or accept it with {key}.",
   ],
 
+  "draft.unchosen": ["还有 {n} 项未选：{fields}。", "{n} {n:decision|decisions} not chosen yet: {fields}."],
   "draft.by_model": ["草稿由模型 {model} 起草", "Drafted by the model {model}"],
   "judge.title": ["模型意见：{model}", "Opinion of the model {model}"],
   "judge.opinion": ["仅供参考，不影响接受或退回。", "For your information: it blocks nothing."],
@@ -322,6 +328,10 @@ export const labelTexts = {
   "stage.reopen": ["重新打开", "Reopen"],
 
   "check.accept": ["接受", "Accept"],
+  "check.open_comments": [
+    "您有 {n} 条未解决的意见：按 {back} 退回，或标为已解决。仍要接受，请再按一次 {accept}。",
+    "{n} {n:comment|comments} of yours {n:is|are} open: return the label ({back}), or resolve {n:it|them}. To accept it anyway, press {accept} again.",
+  ],
   "check.accept_key": ["{key} 不接受标注：看过之后按 {accept}。", "{key} does not accept a label: read it, then press {accept}."],
   "check.read_first": ["请先看标注：显示 {s} 秒后才能接受。", "Read the label first: it can be accepted after {s} s on screen."],
   "check.send_back": ["退回", "Return for rework"],
@@ -370,7 +380,7 @@ export const labelTexts = {
   "conflict.title": ["同一处有两种修改", "Conflicting changes"],
   "conflict.text": ["保存时发现别处已改过。请逐处选择。", "This was also changed elsewhere. Choose one version for each field."],
   "conflict.mine": ["我的", "Mine"],
-  "conflict.theirs": ["对方的", "Theirs"],
+  "conflict.theirs": ["别处的", "The other"],
   "conflict.keep": ["用这个", "Use this"],
 
   "field.whole": ["整份标注", "The whole label"],

@@ -49,6 +49,7 @@ export const screenTexts = {
   ],
   "table.sort": ["按此列排序", "Sort by this column"],
 
+  "login.ended": ["您已退出登录（在别的标签页，或登录已过期）。请重新登录；未保存的修改仍在本机。", "You were signed out, in another tab or since the session expired. Sign in again; unsaved changes are kept in this browser."],
   "login.title": ["登录", "Sign in"],
   "login.name": ["用户名", "User name"],
   "login.password": ["密码", "Password"],
@@ -192,6 +193,7 @@ export const screenTexts = {
   "tasks.col.priority": ["优先级", "Priority"],
   "tasks.col.updated": ["更新时间", "Updated"],
   "tasks.empty": ["没有符合条件的任务。", "No matching tasks."],
+  "tasks.empty.id": ["没有编号含“{text}”的任务。", "No task has “{text}” in its id."],
   "tasks.empty.lead": ["还没有任务。请用“从挖掘结果创建任务”开始。", "No tasks yet. Start with “Create tasks from mined episodes”."],
   "tasks.empty.mine": ["您没有任务。用上面的按钮领取下一个。", "You have no tasks. Take the next one with the button above."],
   "tasks.export": ["导出标注 (JSONL)", "Export labels (JSONL)"],

@@ -70,6 +70,7 @@ pub const CODES: &[&str] = &[
     "label.text.placeholder",
     "label.text.unrelated",
     "label.component.duplicate",
+    "label.component.too_long",
     "label.component.too_short",
     "label.time_range.implausible",
     "label.time_range.start",

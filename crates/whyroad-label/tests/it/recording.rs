@@ -213,12 +213,18 @@ fn what_the_trace_states_of_the_ego_and_the_object_is_compared() {
         "自车停在路口，前方的轿车正在慢行，因此自车减速让行。",
         "前方 80 米处的轿车正在慢行，再开就会追上它，因此自车减速让行。",
         "We are doing 80 km/h and the car ahead is rolling slowly, so we slow down.",
+        // It drives, at 18 km/h.
+        "前方的轿车停在路上不动，自车会追上它，因此自车减速让行。",
+        "The car ahead is standing still and we would run into it, so we slow down.",
     ] {
         assert_eq!(of(trace), wrong, "{trace}");
     }
     for trace in [
         "自车以每小时 40 公里行驶，前方的轿车正在慢行，因此自车减速让行。",
         "前方的轿车正在慢行，再开就会追上它，因此自车停在路口。",
+        // What it will do, and another of its kind.
+        "前方的轿车正在慢行，马上要停下来，因此自车减速让行。",
+        "前方的轿车正在慢行，更远处的轿车停着不动，因此自车减速让行。",
         "本路限速每小时 80 公里，前方的轿车正在慢行，因此自车减速让行。",
         "前方 12 米处的轿车正在慢行，因此自车减速让行。",
         "We are doing 35 km/h and the car ahead is rolling slowly, so we slow down.",

@@ -119,8 +119,8 @@ impl Drive {
     }
 }
 
-/// By a place as logs write it: `singapore-onenorth`, `London, Ontario`, `中国香港`. Of parts between commas the last one,
-/// the country or region, decides.
+/// By a place as logs write it: `singapore-onenorth`, `London, Ontario`, `中国香港`. Of parts between commas the last
+/// one, the country or region, decides.
 fn of_place(place: &str) -> Option<DrivingSide> {
     let place = place.to_lowercase();
     let region = place.rsplit([',', '，']).next()?;

@@ -48,7 +48,7 @@ pub fn task(app: &App, tx: &mut dyn Tx, t: &TaskRow, actor: &Actor, found: Vec<F
         drafted_by: drafted_by(t),
         imported: imported(t),
         judgement: judgements::of(tx, t, actor)?,
-        comments: comments(tx, t, &actor.id, &names)?,
+        comments: comments(tx, t, actor, &names)?,
         history_count,
         findings: found,
         take_refused: take_refused(app, tx, t, actor)?,

@@ -6,6 +6,7 @@ use crate::domain::project::{
 };
 use crate::problem::Answer;
 use crate::service::copies::NOT_GOLD;
+use crate::service::disagreement::NOT_SUPERSEDED;
 use crate::service::projects::{self, DAY_MS, parse};
 use crate::service::{disagreement, drafts, safety, tasks, veil};
 use crate::store::Tx;
@@ -33,12 +34,8 @@ type Names = HashMap<String, String>;
 /// The dashboard of `project` at `now` (ms since 1970).
 pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
     let names = tasks::names(tx)?;
-    let by_state = tx.rows(
-        "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 GROUP BY state",
-        values![&project.id],
-    )?;
     Ok(Dashboard {
-        by_state: by_state.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect::<Answer<_>>()?,
+        by_state: by_state(tx, &project.id)?,
         utc_offset_min: project.settings.utc_offset_min,
         throughput: throughput(tx, project, &names, now)?,
         ageing: ageing(tx, &project.id, &names, now)?,
@@ -48,6 +45,23 @@ pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
         audit: audit_outcomes(tx, project, &names)?,
         safety: safety::counts(tx, &project.id)?,
     })
+}
+
+/// Tasks by state. A label of which an adjudication chose another one is in none: nobody works on it any more.
+fn by_state(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
+    let mut count = |of: &str| -> Answer<Vec<(String, i64)>> {
+        let sql = format!("SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 {of} GROUP BY state");
+        tx.rows(&sql, values![project])?.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect()
+    };
+    let mut all: BTreeMap<String, i64> = count("")?.into_iter().collect();
+    // Read by the index of overlap groups; the others are counted without reading a task.
+    for (state, superseded) in count("AND overlap_count > 1 AND adjudication = 'superseded'")? {
+        if let Some(n) = all.get_mut(&state) {
+            *n -= superseded;
+        }
+    }
+    all.retain(|_, n| *n > 0);
+    Ok(all)
 }
 
 fn display(names: &Names, id: Option<String>) -> Option<String> {
@@ -74,7 +88,7 @@ fn ageing(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec
     let class = veil::shown_class_sql(&veil::of(tx, project)?);
     let sql = format!(
         "SELECT id, {class} AS shown_class, state, coalesce(holder, assigned, author) AS person, updated FROM tasks
-         WHERE project_id = $1 AND state NOT IN ('accepted', 'skipped', 'rejected')
+         WHERE project_id = $1 AND state NOT IN ('accepted', 'skipped', 'rejected') AND {NOT_SUPERSEDED}
          ORDER BY updated, id LIMIT $2"
     );
     let rows = tx.rows(&sql, values![project, OLDEST])?;

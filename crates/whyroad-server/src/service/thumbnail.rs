@@ -15,6 +15,8 @@ const SHIFT_M: f64 = 16.0;
 /// Margin around the target, m, and maximum enlargement of the shown area to include it.
 const ROOM_M: f64 = 6.0;
 const MOST_LARGER: f64 = 3.0;
+/// Objects are measured at least this often, s: at 2 Hz in the logs with the lowest rate.
+const MEASURED_EVERY_S: f64 = 0.6;
 /// Maximum number of objects and of lines: a thumbnail has a few kilobytes.
 const MOST_OBJECTS: usize = 40;
 const MOST_LINES: usize = 60;
@@ -36,10 +38,16 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
         let (dx, dy) = (px - x, py - y);
         (dx * cos + dy * sin, dx * sin - dy * cos)
     };
+    let is_sparse = drive.tracks.iter().any(|track| !track.known_at.is_empty());
     let row_of = |track: &Track| match track.frames.binary_search(&(frame as u32)) {
         Ok(row) => Some(row),
-        // Between two measurements, of which the second is later: the target is where it was seen last.
+        // Between two measurements, of which the second is later: it is where it was seen last. The target always is;
+        // another object of a log that measures all of them frame by frame is gone.
         Err(next) if target == Some(&track.id) => next.checked_sub(1),
+        Err(next) if next == track.frames.len() && is_sparse => next.checked_sub(1).filter(|row| {
+            let seen = drive.times[track.frames[*row] as usize];
+            drive.times[frame].seconds_since(seen) < MEASURED_EVERY_S
+        }),
         Err(_) => None,
     };
     let larger = drive.tracks.iter().find(|track| target == Some(&track.id)).and_then(|track| {
@@ -63,7 +71,9 @@ pub fn draw(drive: &Drive, at: Nanos, target: Option<&TrackId>) -> String {
     );
     let mut lines = 0;
     for lane in drive.map.iter().flat_map(|map| &map.lanes) {
-        for line in [&lane.left, &lane.right] {
+        // A map without sides has the middle of its lanes.
+        let bare = lane.left.is_empty() && lane.right.is_empty();
+        for line in if bare { [&lane.center, &lane.right] } else { [&lane.left, &lane.right] } {
             let points: Vec<(f64, f64)> = line.iter().map(|p| place(p.x, p.y)).collect();
             if lines >= MOST_LINES || !points.windows(2).any(|w| crosses(w[0], w[1])) {
                 continue;
@@ -161,6 +171,8 @@ pub fn get(tx: &mut dyn Tx, task: &str) -> Answer<Option<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use whyroad_model::road_map::{Lane, Point3, RoadMap};
+    use whyroad_model::scene::{Ego, Motion};
 
     #[test]
     fn a_target_far_ahead_is_inside() {
@@ -171,6 +183,50 @@ mod tests {
         assert!((larger_for((0.0, -18.0)) - 24.0 / 16.5).abs() < 1e-9);
         assert_eq!(larger_for((400.0, 0.0)), MOST_LARGER);
         assert_eq!(larger_for((f64::NAN, f64::NAN)), 1.0);
+    }
+
+    /// Ten frames a second of objects that are measured twice a second (nuScenes): at the keyframe, 0.4 s after the last
+    /// measurement, they are where they were then. The map has centers of lanes only.
+    #[test]
+    fn objects_that_are_measured_at_a_lower_rate_are_shown() {
+        let time = |frame: i64| Nanos(frame * 100_000_000);
+        let line = |x: f64, y: f64| Motion {
+            x: vec![x; 15],
+            y: vec![y; 15],
+            heading: vec![0.0; 15],
+            ..Motion::unknown(15)
+        };
+        let track = |id: &str, known_at: Vec<Nanos>| Track {
+            id: id.into(),
+            frames: (0..15).collect(),
+            motion: line(12.0, 3.0),
+            length_m: vec![4.0; 15],
+            width_m: vec![2.0; 15],
+            known_at,
+            ..Track::default()
+        };
+        let lane = Lane {
+            center: vec![Point3::default(), Point3 { x: 20.0, ..Point3::default() }],
+            ..Lane::default()
+        };
+        let shown = |known_at: Vec<Nanos>, gone: u32| {
+            let mut object = track("a", known_at);
+            object.frames.truncate(gone as usize);
+            let drive = Drive {
+                ego: Some(Ego { motion: line(0.0, 0.0), ..Ego::default() }),
+                times: (0..15).map(time).collect(),
+                tracks: vec![object],
+                map: Some(RoadMap { lanes: vec![lane.clone()], ..RoadMap::default() }),
+                ..Drive::default()
+            };
+            let svg = draw(&drive.until(time(9)), time(9), None);
+            // The background, the ego and the object.
+            (svg.matches("<rect").count(), svg.matches("<polyline").count())
+        };
+        let measured = || (0..15i64).map(|frame| time((frame + 4) / 5 * 5)).collect::<Vec<_>>();
+        assert_eq!(shown(measured(), 15), (3, 1));
+        // Measured in each frame, and not seen any more for 0.4 s.
+        assert_eq!(shown(Vec::new(), 6), (2, 1));
     }
 
     #[test]

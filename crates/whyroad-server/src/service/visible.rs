@@ -3,7 +3,7 @@
 //! another person.
 
 use crate::domain::task::{Comment, HistoryEntry};
-use crate::domain::workflow::{Stage, State};
+use crate::domain::workflow::{Actor, Role, Stage, State};
 use crate::problem::{Answer, Problem};
 use crate::service::projects::parse;
 use crate::service::safety;
@@ -148,11 +148,17 @@ fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
     Ok(())
 }
 
-/// Comments on a task that `user` may see; in Stage I only their own.
+/// Questions to the lead are read in Stage I, too, by a lead who does not label in the project: they wait for an answer,
+/// and whoever labels is to see no text of another person before their own Stage I.
+pub fn reads_questions(actor: &Actor) -> bool {
+    actor.is(Role::Lead) && !actor.is(Role::Annotator)
+}
+
+/// Comments on a task that `actor` may see; in Stage I only their own, and those that [`reads_questions`] allows.
 pub fn comments(
     tx: &mut dyn Tx,
     t: &TaskRow,
-    user: &str,
+    actor: &Actor,
     names: &HashMap<String, String>,
 ) -> Answer<Vec<Comment>> {
     let all = t.at.state.stage() == Stage::Stage2;
@@ -163,10 +169,10 @@ pub fn comments(
     let mut out = Vec::new();
     for row in rows {
         let author = row.text("author")?;
-        if all || author == user {
+        let (resolved, to_lead) = (row.flag("resolved")?, row.flag("to_lead")?);
+        if all || author == actor.id || to_lead && reads_questions(actor) {
             let author = names.get(&author).cloned().unwrap_or(author);
             let (id, path, text) = (row.text("id")?, row.text("path")?, row.text("body")?);
-            let (resolved, to_lead) = (row.flag("resolved")?, row.flag("to_lead")?);
             out.push(Comment { id, path, author, text, at: row.int("at")?, resolved, to_lead });
         }
     }

@@ -110,8 +110,16 @@ pub fn a_question_to_the_lead_marks_the_task_until_it_is_answered(world: &World)
     assert_eq!(admin.get(&format!("/projects/{project}/work")).fine()["asked"], 1);
     // A comment to everybody is not a question to the lead.
     ann.post(&format!("/tasks/{task}/comments"), &json!({ "path": "", "text": "dark" })).fine();
+    // A lead who does not label reads it at once, and nothing else of Stage I; another annotator reads nothing.
+    let lead = world.person(&admin, &project, "lea", &["lead"]);
+    let bob = world.person(&admin, &project, "bob", &["checker"]);
+    let read = |who: &Person| who.get(&format!("/tasks/{task}")).fine()["comments"].clone();
+    let (asked, hidden) = (read(&lead), read(&bob));
+    assert_eq!((&asked[0]["text"], asked.as_array().unwrap().len()), (&json!("Is this a cut-in?"), 1));
+    assert_eq!(hidden, json!([]));
     let id = comment["id"].as_str().unwrap();
-    ann.post(&format!("/comments/{id}/resolve"), &json!({})).fine();
+    assert_eq!(bob.post(&format!("/comments/{id}/resolve"), &json!({})).status, 404);
+    lead.post(&format!("/comments/{id}/resolve"), &json!({})).fine();
     assert_eq!(list(&admin, &project, "asks=lead")["total"], 0);
 }
 

@@ -2,6 +2,7 @@
 import { fireEvent, render } from "@testing-library/svelte";
 import assert from "node:assert/strict";
 import { test } from "vitest";
+import type { Finding } from "../../api/types.ts";
 import { inClass, opened } from "../../testing/opened_task.ts";
 import Decisions from "./Decisions.svelte";
 import { restAt, toSection } from "./focus.ts";
@@ -60,6 +61,39 @@ test("no change is chosen by somebody: drafted, it is to be accepted; undrafted,
   assert.ok(await press("0"));
   await new Promise((done) => setTimeout(done));
   assert.deepEqual([chosen(), editor.unaccepted], [["null"], ["/driving_decision/longitudinal"]]);
+});
+
+test("where nothing was drafted, no change is chosen by somebody even where the class does not allow it", async () => {
+  const none = { driving_decision: { longitudinal: null, lateral: null }, coc_trace: "" };
+  const editor = opened("stage2", none);
+  editor.initial = none;
+  const path = "/driving_decision/longitudinal";
+  const finding = { code: "label.decision.impossible", severity: "error", pointer: path, message_zh: "不允许", message_en: "not allowed" };
+  editor.draft.findings = [finding as Finding];
+  const shown = render(Decisions, { editor });
+  const checked = (): (string | undefined)[] => [...document.querySelectorAll<HTMLInputElement>("input:checked")].map((one) => one.value);
+  assert.deepEqual([checked(), editor.unaccepted], [[], [path, "/driving_decision/lateral"]]);
+  // Nobody has said what the error is about.
+  assert.equal(shown.queryByText(/not allowed/i), null);
+  toSection("decisions", "[data-choices=longitudinal]");
+  assert.ok(await press("0"));
+  await new Promise((done) => setTimeout(done));
+  assert.deepEqual([checked(), editor.unaccepted], [["null"], ["/driving_decision/lateral"]]);
+  assert.notEqual(shown.queryByText(/not allowed/i), null);
+  // There was no draft to take back.
+  editor.draft.set(path, "resume");
+  await new Promise((done) => setTimeout(done));
+  assert.equal(shown.queryByText("Draft"), null);
+});
+
+test("what was drafted is named as the choices name it", async () => {
+  const drafted = { driving_decision: { longitudinal: null, lateral: null }, coc_trace: "前方的轿车正在行驶，因此自车照常行驶。" };
+  const editor = opened("stage2", { ...drafted, driving_decision: { longitudinal: "resume", lateral: null } });
+  editor.initial = drafted;
+  const shown = render(Decisions, { editor });
+  await new Promise((done) => setTimeout(done));
+  // SPEC 2.3: no change is a judgment.
+  assert.equal(shown.getByText("Draft").nextElementSibling?.textContent, "No change");
 });
 
 test("the only direction of the class needs no key", async () => {

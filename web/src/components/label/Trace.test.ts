@@ -4,6 +4,7 @@ import { fireEvent, render } from "@testing-library/svelte";
 import assert from "node:assert/strict";
 import { test } from "vitest";
 import type { Finding } from "../../api/types.ts";
+import { handleKeys, onKeydown } from "../../keys/keys.svelte.ts";
 import { opened } from "../../testing/opened_task.ts";
 import Trace from "./Trace.svelte";
 
@@ -38,4 +39,32 @@ test("every part that is still the draft's is selected when Enter leads to it", 
   box("state").focus();
   await fireEvent.keyDown(box("state"), { key: "Enter" });
   assert.equal(selected("reason"), "");
+});
+
+test("a key that leads to a part of the form does not replace the draft that the focus came to by itself", async () => {
+  const editor = opened("stage2", { coc_trace: DRAFT, driving_decision: { longitudinal: "resume", lateral: null } });
+  editor.initial = { coc_trace: DRAFT };
+  editor.draft.findings = [{ code: "label.trace.draft", severity: "error", pointer: "/coc_trace", message_zh: "草稿", message_en: "draft" } as Finding];
+  render(Trace, { editor });
+  const pressed: string[] = [];
+  const stop = handleKeys({ toTrace: () => pressed.push("trace"), toLateral: () => pressed.push("lateral") });
+  const press = (key: string, more: KeyboardEventInit = {}): boolean => {
+    const e = new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more });
+    document.activeElement?.dispatchEvent(e);
+    onKeydown(e);
+    return e.defaultPrevented;
+  };
+  box("state").focus();
+  assert.equal(selected("state"), "路口内的轿车已停下");
+  // Pressed once too often.
+  press("a", { altKey: true });
+  assert.ok(press("5") && document.activeElement === document.body);
+  // Once something was typed, or after another key, digits are text.
+  box("state").focus();
+  await type("state", "轿");
+  assert.ok(!press("3"));
+  box("reason").focus();
+  assert.ok(!press("轿") && !press("3"));
+  assert.deepEqual(pressed, ["trace"]);
+  stop();
 });

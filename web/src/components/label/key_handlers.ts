@@ -7,7 +7,7 @@ import { nextCamera } from "../../scene/cameras.ts";
 import { trackPose } from "../../scene/motion.ts";
 import { objectsAt } from "../../scene/objects.ts";
 import { tick } from "svelte";
-import { toComment, toComponent, toDirection, toField, toSection } from "./focus.ts";
+import { restAt, toComment, toComponent, toDirection, toField, toSection } from "./focus.ts";
 import { saveViewSettings, viewSettings } from "./view_settings.svelte.ts";
 import { undo, redo } from "./undo_actions.ts";
 
@@ -53,7 +53,9 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
     if (!editor.components[editor.currentComponent]) return;
     removeComponent(editor, editor.currentComponent);
     await tick();
-    toComponent(editor.currentComponent);
+    // Not into a text: who goes on with a key of the page would write there.
+    if (editor.components.length > 0) restAt(pointers.component(editor.currentComponent));
+    else toSection("components");
   }
 
   /** Goes to a section of the form; where the label is only read, to a comment on its fields. */
@@ -106,8 +108,8 @@ export function handlers(editor: TaskEditor, actions: ScreenActions): Handlers {
   return {
     leave: () => (document.activeElement instanceof HTMLElement ? document.activeElement.blur() : undefined),
     save: () => void editor.draft.flush(),
-    undo: () => undo(editor),
-    redo: () => redo(editor),
+    undo: () => void undo(editor),
+    redo: () => void redo(editor),
     acceptField: () => void acceptField(),
     advance: actions.advance,
     play: () => player.toggle(),

@@ -4,6 +4,7 @@
 use super::{disowned, flipped, grounds};
 use crate::check::consistency::trace::Reading;
 use crate::check::consistency::trace_rules;
+use crate::check::excerpt;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;
@@ -144,6 +145,7 @@ pub(in crate::check) fn unobserved(label: &View<'_>, words: &LabelWords, sink: &
             continue;
         }
         sink.report(Finding::error("label.cause.unobserved", at), &|| {
+            let text = excerpt(text);
             Words::new(
                 format!("“{text}”没有说明为什么看不到原因"),
                 format!("'{text}' does not state why the cause could not be observed"),

@@ -1,5 +1,6 @@
 //! An irrelevant component: it is not about road or traffic, or is off the road, and the trace does not use it.
 
+use crate::check::excerpt;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::{TextScope, Texts};
@@ -25,6 +26,7 @@ pub(in crate::check) fn unused(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let Some((index, text, _)) = all.find(is_unused) else { return };
     let at = pointer::critical_components_item_description(index);
     sink.report(Finding::warning("label.cause.proximate", at), &|| {
+        let text = excerpt(text);
         Words::new(
             format!("“{text}”与决策无关：它不在自车要走的路上，因果描述也没有用到它"),
             format!(

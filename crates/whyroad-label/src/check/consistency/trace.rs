@@ -11,7 +11,7 @@ mod mention;
 
 #[cfg(test)]
 pub(super) use form::Form;
-pub(super) use form::form;
+pub(in crate::check) use form::form;
 pub(super) use judge::{TraceVerdict, judge};
 pub(in crate::check) use mention::Mention;
 pub(in crate::check) use mention::{Force, Reading, read};

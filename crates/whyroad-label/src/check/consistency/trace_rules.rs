@@ -6,6 +6,7 @@ use crate::check::consistency::sequel;
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
 use crate::check::consistency::undecided;
+use crate::check::excerpt;
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use crate::check::view::View;
@@ -599,21 +600,14 @@ fn verdict(v: &TraceVerdict, text: &str, names: &DecisionSets, read: bool, sink:
                     format!("the trace ends with '{ending}', which does not state '{}'", label.en),
                 )
                 .hint(
-                    "以决策结尾，例如“因此减速让行”；或检查决策",
-                    "end with the decision, such as \"so the ego slows down to yield\"; or check the decision",
+                    format!("以决策结尾，写出“{}”或同样意思的话；或检查决策", label.zh),
+                    format!(
+                        "end with the decision, in words that mean '{}'; or check the decision",
+                        label.en
+                    ),
                 )
             });
         }
-    }
-}
-
-/// The beginning of a quoted text.
-fn excerpt(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let text = text.trim().trim_start_matches(['，', ',', ' ']);
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
     }
 }
 

@@ -1,6 +1,8 @@
 //! Texts without content: placeholders, and words that are unrelated to the road.
 
 use super::kept::{Kept, kept, without_draft_mark};
+use crate::check::consistency::trace::form;
+use crate::check::excerpt;
 use crate::check::overlap;
 use crate::check::reading::TextFacts;
 use crate::check::texts::TextScope;
@@ -13,6 +15,9 @@ use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CriticalComponent, DrivingDecision, ProvenanceSource};
 
+/// A component that is this many times as long as a trace may be was not written by anybody.
+const PASTED_TIMES: usize = 5;
+
 /// Each component has content. Returns true when one does not.
 pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     let TextScope { label, texts, words, lexicon, .. } = *scope;
@@ -22,6 +27,9 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     for (c, facts) in label.parts.iter().zip(&texts.components) {
         let Some(text) = c.description.get() else { continue };
         let at = pointer::critical_components_item_description(c.index);
+        if too_long(at.clone(), text, lexicon, sink) {
+            continue;
+        }
         if says_nothing(text, facts, words) {
             placeholder(at, text, sink);
         } else if let Some(open) = left_open(text, facts, words) {
@@ -67,13 +75,41 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
                 };
             sink.report(finding, &|| {
                 Words::new(
-                    format!("“{text}”没有提到任何与驾驶有关的事物"),
-                    format!("'{text}' names nothing related to driving"),
+                    format!("“{}”没有提到任何与驾驶有关的事物", excerpt(text)),
+                    format!("'{}' names nothing related to driving", excerpt(text)),
                 )
                 .hint("写看到了什么、在哪里、在做什么", "write what was seen, where, and what it was doing")
             });
         }
     }
+}
+
+/// A component says one thing, so it is no longer than a whole trace may be. One of several times that length was pasted
+/// by mistake: nothing else is said of it. Returns true for such a one.
+fn too_long(at: String, text: &str, lexicon: &Lexicon, sink: &mut dyn Sink) -> bool {
+    let limit = lexicon.limits.too_long_above;
+    // Most are short: then nothing is counted.
+    if limit == 0 || text.len() <= limit {
+        return false;
+    }
+    let length = form(text, &lexicon.limits).length;
+    if length <= limit {
+        return false;
+    }
+    let is_pasted = length > PASTED_TIMES * limit;
+    let code = "label.component.too_long";
+    let finding = if is_pasted { Finding::error(code, at) } else { Finding::warning(code, at) };
+    sink.report(finding, &|| {
+        Words::new(
+            format!("关键要素过长（约 {length} 字）：“{}”", excerpt(text)),
+            format!("the component is too long (about {} words): '{}'", length / 2, excerpt(text)),
+        )
+        .hint(
+            "一个要素只写一件事：看到了什么、在哪里、在做什么；别的事另写一个要素",
+            "one thing per component: what was seen, where, and what it was doing; write others separately",
+        )
+    });
+    is_pasted
 }
 
 /// The whole text is a placeholder, or a part of it is.
@@ -145,6 +181,7 @@ fn unfinished(at: String, text: &str, (start, end): (usize, usize), sink: &mut d
 
 fn placeholder(at: String, text: &str, sink: &mut dyn Sink) {
     sink.report(Finding::error("label.text.placeholder", at), &|| {
+        let text = excerpt(text);
         Words::new(format!("“{text}”是占位文字"), format!("'{text}' is a placeholder"))
             .hint("写实际内容；没有内容时删去该项", "write the content, or remove the item")
     });

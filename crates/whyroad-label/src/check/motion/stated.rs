@@ -1,13 +1,13 @@
 //! Numbers and states that the trace gives the ego and the linked object, against the recording at the keyframe.
 
 use super::object::place::{DISTANCE, DISTANCES_M, SPEED};
-use crate::check::reading::TextFacts;
+use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::Texts;
 use crate::check::view::View;
 use crate::driven::{Driven, kmh};
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Words};
-use whyroad_framework::label_words::{Divider, Quantity};
+use whyroad_framework::label_words::{Divider, Quantity, SaidState};
 use whyroad_model::TrackId;
 use whyroad_model::label_fields::pointer;
 
@@ -85,6 +85,13 @@ pub(super) fn check(
             format!("the trace says that the ego stands, at the keyframe it drives {v:.0} km/h"),
         );
     }
+    if let Some(v) = stands(label, texts, told, words, w) {
+        report(
+            sink,
+            format!("因果描述称目标停着，关键帧时它的车速为 {v:.0} km/h"),
+            format!("the trace says that the object stands, at the keyframe it drives {v:.0} km/h"),
+        );
+    }
     if let Some((said, recorded)) = distance(label, texts, told, words, w) {
         report(
             sink,
@@ -94,6 +101,26 @@ pub(super) fn check(
             ),
         );
     }
+}
+
+/// The only linked object of the kind that the text says to stand, and its speed at the keyframe, km/h, where it plainly
+/// drives. What the component says is compared with what was known then; whoever writes the trace has seen it drive.
+fn stands(label: &View<'_>, texts: &Texts, text: &str, words: &LabelWords, w: &Driven<'_>) -> Option<f64> {
+    let standing = |n: &&Named| n.start < text.len() && n.state == Some(SaidState::Standing);
+    let named: Vec<_> = texts.trace.there().filter(|n| super::object::is_tracked(words, n)).collect();
+    let thing = named.iter().copied().find(standing)?;
+    // Others of its kind: which of them stands is open.
+    let own = words.objects[thing.group].own;
+    if named.iter().any(|n| !standing(n) && words.objects[n.group].near.meets(own)) {
+        return None;
+    }
+    let speaks = |facts: &TextFacts| facts.there().any(|n| words.objects[n.group].near.meets(own));
+    let mut of_kind = label.parts.iter().zip(&texts.components).filter(|(_, facts)| speaks(facts));
+    let ((part, _), None) = (of_kind.next()?, of_kind.next()) else { return None };
+    let [id] = part.objects.as_slice() else { return None };
+    let row = w.signals.target(&TrackId::from(*id))?.row(w.keyframe)?;
+    let v = w.signals.target_columns.get("target.speed")?.number(row)?;
+    (v > DRIVES_MPS).then(|| kmh(v))
 }
 
 fn report(sink: &mut dyn Sink, zh: String, en: String) {

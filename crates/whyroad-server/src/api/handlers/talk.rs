@@ -1,6 +1,6 @@
 //! History, overlap, comments.
 
-use super::tasks::look;
+use super::tasks::{actor, look};
 use crate::api::call::Call;
 use crate::api::reply::Reply;
 use crate::domain::task::{Comment, DraftAt, History, NewComment, Overlap, OverlapItem};
@@ -88,13 +88,15 @@ pub fn comment(call: &Call<'_>) -> Answer<Reply> {
 
 /// `POST /comments/{c}/resolve`
 pub fn resolve(call: &Call<'_>) -> Answer<Reply> {
-    let (id, user) = (call.param("c").to_owned(), call.user()?.id.clone());
+    let (id, user) = (call.param("c").to_owned(), call.user()?.clone());
     let comment = call.app.store.write(move |tx| {
-        let row = tx.row("SELECT task_id, author FROM comments WHERE id = $1", values![&id])?;
+        let row = tx.row("SELECT task_id, author, to_lead FROM comments WHERE id = $1", values![&id])?;
         let row = row.ok_or_else(Problem::missing)?;
         let t = tasks::get(tx, &row.text("task_id")?)?;
-        // In Stage I other people's comments are hidden.
-        if !t.at.state.shows_future() && row.text("author")? != user {
+        // In Stage I other people's comments are hidden, but for questions to a lead who answers them.
+        let own = row.text("author")? == user.id;
+        let asked = row.flag("to_lead")? && visible::reads_questions(&actor(tx, &t, &user)?);
+        if !t.at.state.shows_future() && !own && !asked {
             return Err(Problem::missing());
         }
         tx.run("UPDATE comments SET resolved = 1 WHERE id = $1", values![&id])?;

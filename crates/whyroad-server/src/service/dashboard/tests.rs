@@ -119,6 +119,10 @@ fn throughput_is_by_day_person_and_action_and_ageing_by_rest() {
         task(tx, &Made { updated: NOW - 7_200_000, ..made("1", "e1", "stage2") }, &json!({}));
         task(tx, &Made { updated: NOW - 3_600_000, author: None, ..made("22", "e2", "open") }, &json!({}));
         task(tx, &made("333", "e3", "accepted"), &json!({}));
+        // The other label of its episode was chosen: nobody waits for it.
+        let old = Made { overlap: 2, updated: NOW - 9_000_000, ..made("4444", "e3", "submitted") };
+        task(tx, &old, &json!({}));
+        tx.run("UPDATE tasks SET adjudication = 'superseded' WHERE id = '4444'", &[]).unwrap();
         // 2026-09-21 UTC began at 1 789 948 800 s (`date -u -d 2026-09-21 +%s`).
         let midnight = 1_789_948_800_000;
         history(tx, "1", 1, midnight - 1, "a", ("stage2", "submit"), None);
@@ -144,7 +148,7 @@ fn throughput_is_by_day_person_and_action_and_ageing_by_rest() {
     );
     let rows: Vec<_> = board.ageing.iter().map(|a| (a.task.as_str(), a.user.as_deref(), a.hours)).collect();
     assert_eq!(rows, [("1", Some("Ann"), 2.0), ("22", None, 1.0)]);
-    assert_eq!(board.by_state.get("accepted"), Some(&1));
+    assert_eq!((board.by_state.get("accepted"), board.by_state.get("submitted")), (Some(&1), None));
 }
 
 #[test]

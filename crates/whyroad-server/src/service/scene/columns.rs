@@ -14,7 +14,14 @@ const NONE: &str = "none";
 
 /// Rounds to a thousandth: a millimeter, a millisecond, a twentieth of a degree. This halves the size of a scene.
 pub(super) fn rounded(x: f64) -> f64 {
-    let r = (x * 1000.0).round() / 1000.0;
+    rounded_to(x, 1000.0)
+}
+
+/// Steps of a signal in one unit: a value is shown beside the one that the rule compared, with a digit of a degree.
+const SIGNAL_STEPS: f64 = 10_000.0;
+
+fn rounded_to(x: f64, steps: f64) -> f64 {
+    let r = (x * steps).round() / steps;
     // -0 would be written with its sign.
     if r == 0.0 { 0.0 } else { r }
 }
@@ -119,7 +126,7 @@ pub(super) fn unwrap(values: &mut [Value]) {
     for value in values {
         let Some(angle) = value.as_f64() else { continue };
         let turns = last.map_or(0.0, |last| ((last - angle) / TAU).round());
-        let continuous = rounded(angle + turns * TAU);
+        let continuous = rounded_to(angle + turns * TAU, SIGNAL_STEPS);
         *value = Value::from(continuous);
         last = Some(continuous);
     }
@@ -129,7 +136,10 @@ fn value(column: &Column, row: usize) -> Value {
     match column {
         // Unknown and absent are different, and JSON has no infinite number.
         Column::Number(_) if column.number(row).is_some_and(f64::is_infinite) => Value::from(NONE),
-        Column::Number(_) => number(column.number(row)).map_or(Value::Null, Value::from),
+        Column::Number(_) => {
+            let known = column.number(row).filter(|x| x.is_finite());
+            known.map_or(Value::Null, |x| Value::from(rounded_to(x, SIGNAL_STEPS)))
+        }
         Column::Flag(_) => column.flag(row).known().map_or(Value::Null, Value::from),
         Column::Category { .. } => column.category(row).map_or(Value::Null, Value::from),
     }
@@ -140,11 +150,19 @@ mod tests {
     use super::*;
     use serde_json::json;
 
+    /// 0.26 degrees are shown as the rule compared them, 0.3, not as 0.2.
+    #[test]
+    fn a_small_angle_keeps_its_tenth_of_a_degree() {
+        let column = Column::Number(vec![-0.00454, f64::INFINITY, f64::NAN]);
+        let shown = [0, 1, 2].map(|row| value(&column, row));
+        assert_eq!(shown, [json!(-0.0045), json!("none"), Value::Null]);
+    }
+
     /// Headings of a half circle in steps of 60 degrees from 150 degrees on: 150, 210, 270.
     #[test]
     fn an_angle_that_passes_pi_goes_on() {
         let mut values = vec![json!(2.618), json!(null), json!(-2.618), json!("none"), json!(-1.571)];
         unwrap(&mut values);
-        assert_eq!(values, [json!(2.618), json!(null), json!(3.665), json!("none"), json!(4.712)]);
+        assert_eq!(values, [json!(2.618), json!(null), json!(3.6652), json!("none"), json!(4.7122)]);
     }
 }

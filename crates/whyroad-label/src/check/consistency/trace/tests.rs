@@ -36,6 +36,13 @@ fn verdicts(lexicon: &Lexicon, decision: &str, text: &str) -> String {
 
 /// decision, trace, verdict.
 const SENTENCES: &[(&str, &str, &str)] = &[
+    // What the page writes for a decision (web/src/label/decision_words.ts).
+    ("set_speed_tracking/-", "斑马线上没有行人，需要时马上能停住，因此自车保持目标车速。", "ok"),
+    (
+        "set_speed_tracking/-",
+        "Nobody is on the crosswalk, and there is room to stop, therefore the ego keeps its set speed.",
+        "ok",
+    ),
     // Plain agreement.
     ("yield_to_agent/-", "左前方行人正走上斑马线，没有停步，与自车路径相交，因此减速让行。", "ok"),
     (

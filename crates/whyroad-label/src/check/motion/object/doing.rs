@@ -14,11 +14,16 @@ const STANDS_MPS: f64 = 1.5;
 const CROSSES_MPS: f64 = 0.2;
 /// Something that slows is not getting faster by more than this, and the other way round, m/s2.
 const OPPOSITE_MPS2: f64 = 0.7;
-/// Something that reverses does not drive forwards at this speed, m/s.
-const FORWARDS_MPS: f64 = 1.5;
+/// Something that reverses does not drive forwards at this speed, m/s; the direction is known from the track.
+const FORWARDS_MPS: f64 = 0.5;
+/// Something that brakes hard gets slower: its acceleration is below this, m/s2.
+const HARD_MPS2: f64 = 0.3;
 /// "Accelerates", where nothing before it negates it.
 const FASTER_ZH: [&str; 3] = ["加速", "提速", "加起速"];
 const FASTER_EN: [&str; 4] = ["accelerat", "speeding up", "speeds up", "picking up speed"];
+/// "Brakes hard".
+const HARD_ZH: [&str; 6] = ["急刹", "猛刹", "重刹", "紧急制动", "急减速", "急停"];
+const HARD_EN: [&str; 5] = ["brakes hard", "braking hard", "slams on", "emergency brak", "brakes sharply"];
 const NOT_ZH: [&str; 8] = ["不", "没", "没有", "未", "停止", "不再", "减速或", "无法"];
 const NOT_EN: [&str; 5] = ["not ", "no longer ", "stopped ", "without ", "n't "];
 
@@ -62,7 +67,11 @@ pub(super) fn contradiction(text: &str, n: &Named, words: &LabelWords, seen: &Se
         Some(SaidState::Crossing | SaidState::CuttingIn) if seen.fastest < CROSSES_MPS && seen.rows > 1 => {
             Some(speed())
         }
-        Some(SaidState::Slowing) if all(&|a| a > OPPOSITE_MPS2) => Some(speed()),
+        Some(SaidState::Slowing)
+            if all(&|a| a > if brakes_hard(text) { HARD_MPS2 } else { OPPOSITE_MPS2 }) =>
+        {
+            Some(accel())
+        }
         Some(SaidState::Reversing) if seen.forwards && seen.slowest > FORWARDS_MPS => Some(Bilingual::new(
             format!("该目标在证据时间以 {:.0} km/h 向前行驶，并未倒车", kmh(seen.slowest)),
             format!("the object drives forwards at {:.0} km/h at the evidence times", kmh(seen.slowest)),
@@ -70,6 +79,12 @@ pub(super) fn contradiction(text: &str, n: &Named, words: &LabelWords, seen: &Se
         None if says_faster(text) && all(&|a| a < -OPPOSITE_MPS2) => Some(accel()),
         _ => None,
     }
+}
+
+/// "Brakes hard", of whom the text speaks.
+fn brakes_hard(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    HARD_ZH.iter().any(|w| lower.contains(w)) || HARD_EN.iter().any(|w| lower.contains(w))
 }
 
 fn says_faster(text: &str) -> bool {
@@ -118,6 +133,12 @@ mod tests {
             assert!(!car(text), "{text}");
         }
         assert!(!is_wrong("前方的轿车正在加速", ObjectClass::Car, 5.0, 0.2));
+        // A lead that moves off, at 1.9 km/h and 0.6 m/s2: slowing down may be of a moment ago, not an emergency.
+        let lead = |text: &str| is_wrong(text, ObjectClass::Car, 0.53, 0.6);
+        assert!(
+            lead("前方的轿车正在急刹") && lead("the car ahead is braking hard") && lead("前方的轿车正在倒车")
+        );
+        assert!(!lead("前方的轿车正在减速") && !lead("前方的轿车刚起步") && !lead("前方的轿车停着"));
         let walker = |text: &str, speed: f64| is_wrong(text, ObjectClass::Pedestrian, speed, 0.0);
         assert!(walker("左前方的行人站在路边不动", 1.4) && !walker("左前方的行人站在路边不动", 0.4));
         assert!(!walker("左前方的行人正在横穿", 1.4));

@@ -96,7 +96,8 @@ pub(super) fn check(
     }
     if words.objects[n.group].own.meets(kind(words, "oncoming")) || said_oncoming(text, n) {
         let (turned, speeds) = (values("target.heading_difference"), values("target.speed"));
-        if all(&turned, &|a| a.abs() < ONCOMING_RAD) && all(&speeds, &|v| v > MOVES_MPS) {
+        // Without a speed, of an object that was seen for the first time, its box says where it faces.
+        if all(&turned, &|a| a.abs() < ONCOMING_RAD) && speeds.iter().all(|v| *v > MOVES_MPS) {
             let degrees = turned[0].to_degrees().abs();
             return position(
                 sink,
