@@ -72,8 +72,8 @@ fn is_stated(m: &Motion) -> bool {
 fn complete_motion(m: &mut Motion, seconds: &[f64], lengths: &[f64], class: ObjectClass) {
     let on_wheels =
         !matches!(class, ObjectClass::Pedestrian | ObjectClass::WheeledPedestrian | ObjectClass::Animal);
-    let jumps = |row: usize| on_wheels && jumps_sideways(m, seconds, lengths, row);
-    let derived = kinematics::derive(seconds, &m.x, &m.y, &m.heading, jumps);
+    let jumps = if on_wheels { sideways_jumps(m, seconds, lengths) } else { vec![false; m.len()] };
+    let derived = kinematics::derive(seconds, &m.x, &m.y, &m.heading, |row| jumps[row]);
     let stated = m.forward.iter().chain(m.vx.iter().filter(|_| m.forward.is_empty())).any(|v| !v.is_nan());
     for row in 0..m.len() {
         let forward = m.forward.get(row).copied().unwrap_or(f64::NAN);
@@ -104,25 +104,44 @@ fn fill(stated: &mut [f64], estimated: &[f64]) {
 /// Impossible speeds come from an identity switch or a bad box: the position is kept, the motion is unknown.
 fn forget_impossible(class: ObjectClass, m: &mut Motion) {
     let limit = class.max_speed_mps();
-    for row in (0..m.len()).filter(|&row| m.speed(row) > limit).collect::<Vec<_>>() {
+    // Mostly the square shows that it is not, by more than rounding errors.
+    let certain = limit * limit * (1.0 - 1e-9);
+    let is_possible = |vx: f64, vy: f64| vx * vx + vy * vy < certain;
+    let is_impossible = |row: &usize| !is_possible(m.vx[*row], m.vy[*row]) && m.speed(*row) > limit;
+    for row in (0..m.len()).filter(is_impossible).collect::<Vec<_>>() {
         m.vx[row] = f64::NAN;
         m.vy[row] = f64::NAN;
         m.accel[row] = f64::NAN;
     }
 }
 
-/// True when the front bumper moved sideways, since the row before, faster than any vehicle can.
-fn jumps_sideways(m: &Motion, seconds: &[f64], lengths: &[f64], row: usize) -> bool {
-    let dt = seconds[row] - seconds[row - 1];
+/// By row: true when the front bumper moved sideways, since the row before, faster than any vehicle can.
+fn sideways_jumps(m: &Motion, seconds: &[f64], lengths: &[f64]) -> Vec<bool> {
     let front = |i: usize| {
         let (s, c) = m.heading[i].sin_cos();
         let half = lengths.get(i).copied().unwrap_or(f64::NAN) / 2.0;
         (m.x[i] + half * c, m.y[i] + half * s)
     };
-    let (a, b) = (front(row - 1), front(row));
-    let middle = m.heading[row - 1] + wrap(m.heading[row] - m.heading[row - 1]) / 2.0;
-    let side = (b.1 - a.1) * middle.cos() - (b.0 - a.0) * middle.sin();
-    dt <= kinematics::MAX_GAP_S && side.abs() > MAX_SIDE_STEP_M * (dt / 0.1).max(1.0)
+    let mut out = Vec::with_capacity(m.len());
+    let mut before = None;
+    for row in 0..m.len() {
+        let b = front(row);
+        let jumps = |a: (f64, f64)| {
+            let dt = seconds[row] - seconds[row - 1];
+            let most = MAX_SIDE_STEP_M * (dt / 0.1).max(1.0);
+            let moved = (b.0 - a.0, b.1 - a.1);
+            // Mostly it moved by less than that in any direction, by more than rounding errors.
+            if dt > kinematics::MAX_GAP_S || moved.0.abs() + moved.1.abs() < most * (1.0 - 1e-9) {
+                return false;
+            }
+            let middle = m.heading[row - 1] + wrap(m.heading[row] - m.heading[row - 1]) / 2.0;
+            let side = moved.1 * middle.cos() - moved.0 * middle.sin();
+            dt <= kinematics::MAX_GAP_S && side.abs() > most
+        };
+        out.push(before.is_some_and(jumps));
+        before = Some(b);
+    }
+    out
 }
 
 #[cfg(test)]

@@ -185,8 +185,8 @@ mod tests {
         assert_eq!(larger_for((f64::NAN, f64::NAN)), 1.0);
     }
 
-    /// Ten frames a second of objects that are measured twice a second (nuScenes): at the keyframe, 0.4 s after the last
-    /// measurement, they are where they were then. The map has centers of lanes only.
+    /// Ten frames a second of objects that are measured twice a second (nuScenes): at the keyframe, 0.4 s after the
+    /// last measurement, they are where they were then. The map has centers of lanes only.
     #[test]
     fn objects_that_are_measured_at_a_lower_rate_are_shown() {
         let time = |frame: i64| Nanos(frame * 100_000_000);

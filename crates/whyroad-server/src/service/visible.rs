@@ -148,8 +148,8 @@ fn not_after(path: &str, value: &Value, keyframe: Nanos) -> Answer<()> {
     Ok(())
 }
 
-/// Questions to the lead are read in Stage I, too, by a lead who does not label in the project: they wait for an answer,
-/// and whoever labels is to see no text of another person before their own Stage I.
+/// Questions to the lead are read in Stage I, too, by a lead who does not label in the project: they wait for an
+/// answer, and whoever labels is to see no text of another person before their own Stage I.
 pub fn reads_questions(actor: &Actor) -> bool {
     actor.is(Role::Lead) && !actor.is(Role::Annotator)
 }

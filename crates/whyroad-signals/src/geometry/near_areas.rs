@@ -67,16 +67,20 @@ impl<'a> NearAreas<'a> {
 
 fn nearest(areas: &[&Polygon], p: P2) -> f64 {
     // The apparently nearest one excludes most of the others.
-    let mut seems: (f64, Option<&Polygon>) = (f64::INFINITY, None);
-    for area in areas {
+    let mut seems: (f64, Option<usize>) = (f64::INFINITY, None);
+    for (k, area) in areas.iter().enumerate() {
         let least = area.least_distance(p);
         if least < seems.0 {
-            seems = (least, Some(area));
+            seems = (least, Some(k));
         }
     }
-    let mut nearest = seems.1.map_or(f64::INFINITY, |area| area.distance(p));
-    for area in areas {
-        if area.least_distance(p) <= nearest {
+    let mut nearest = seems.1.map_or(f64::INFINITY, |k| areas[k].distance(p));
+    for (k, area) in areas.iter().enumerate() {
+        // Nothing is nearer than an area around the position.
+        if nearest == 0.0 {
+            break;
+        }
+        if Some(k) != seems.1 && area.least_distance(p) <= nearest {
             nearest = nearest.min(area.distance(p));
         }
     }

@@ -164,6 +164,19 @@ impl Polyline {
         self.directions[self.segment_at(s)].heading()
     }
 
+    /// The middle of the directions of its segments, and the half of their range, rad. If that is less than pi / 2, all
+    /// of its chords have directions in the range.
+    pub fn range_of_directions(&self) -> (f64, f64) {
+        let first = self.directions[0].heading();
+        let (mut last, mut turned, mut low, mut high) = (first, 0.0_f64, 0.0_f64, 0.0_f64);
+        for direction in &self.directions[1..] {
+            let heading = direction.heading();
+            turned += super::wrap(heading - last);
+            (last, low, high) = (heading, low.min(turned), high.max(turned));
+        }
+        (super::wrap(first + (low + high) / 2.0), (high - low) / 2.0)
+    }
+
     /// Direction of the chord from `s - reach` to `s + reach`, rad: bends drawn with few points cause no jumps.
     pub fn smooth_heading_at(&self, s: f64, reach: f64) -> f64 {
         let chord = self.point_at(s + reach) - self.point_at(s - reach);

@@ -38,8 +38,8 @@ impl Tether {
     pub const BICYCLE: Tether = Tether { none: 0.8, reach_m: 1.0, bike_lane: 0.0 };
 }
 
-/// Maximum difference between the actor's heading and the lane's.
-const HEADING_LIMIT_RAD: f64 = 75.0 * std::f64::consts::PI / 180.0;
+/// Maximum difference between the actor's heading and that of its lane at its place.
+pub const HEADING_LIMIT_RAD: f64 = 75.0 * std::f64::consts::PI / 180.0;
 /// Tolerance at lane ends, so that a center between two joints has a lane, m.
 const END_SLACK_M: f64 = 0.5;
 const CHANGE_COST: f64 = 1.5;
@@ -59,7 +59,8 @@ fn candidates(
     road.find_lanes_near(p, tether.reach_m, near);
     for &index in &*near {
         let lane = &road.lanes[index];
-        if lane.kind == LaneKind::Sidewalk {
+        // Most others lead elsewhere: where on them the actor would be is not asked.
+        if lane.kind == LaneKind::Sidewalk || !lane.may_lead(heading, HEADING_LIMIT_RAD) {
             continue;
         }
         let at = lane.center.project(p);

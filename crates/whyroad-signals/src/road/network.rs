@@ -2,6 +2,7 @@
 //! index over the lanes. Frame: world, plane.
 
 use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2, wrap};
+use std::f64::consts::PI;
 use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap, STRAIGHT_OVER_RAD};
 
 /// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
@@ -20,6 +21,8 @@ pub struct LaneShape {
     pub left_width: Vec<f64>,
     /// The same to the right edge.
     pub right_width: Vec<f64>,
+    /// Middle and half of the range of its directions, rad; half a turn where it winds.
+    pub directions: (f64, f64),
     /// The map states its width or its edges; otherwise it has the default width.
     pub width_is_known: bool,
     /// The lane's area.
@@ -38,7 +41,17 @@ pub struct LaneShape {
     pub neighbors: [Option<usize>; 2],
 }
 
+/// Above this half of the range of its directions a lane winds, rad.
+const MOST_BENT_RAD: f64 = 1.2;
+
 impl LaneShape {
+    /// False if no chord of its center line is turned from `heading` by as little as `most`, rad: by more than rounding
+    /// errors.
+    pub fn may_lead(&self, heading: f64, most: f64) -> bool {
+        let (middle, half) = self.directions;
+        wrap(heading - middle).abs() <= half + most + 1e-6
+    }
+
     /// Widths to the left and right edge at arc length `s`, m.
     pub fn widths_at(&self, s: f64) -> (f64, f64) {
         self.center.interpolate_both([&self.left_width, &self.right_width], s)
@@ -125,8 +138,10 @@ fn shape(lane: &Lane) -> Option<LaneShape> {
             (widths.clone(), widths, area)
         }
     };
+    let (middle, half) = center.range_of_directions();
     Some(LaneShape {
         id: lane.id.clone(),
+        directions: (middle, if half < MOST_BENT_RAD { half } else { PI }),
         center,
         left_width,
         right_width,

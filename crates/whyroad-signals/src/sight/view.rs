@@ -209,13 +209,18 @@ impl Reach {
     }
 }
 
+/// The corner after corner `i` of `n`, without a division.
+fn next_of(i: usize, n: usize) -> usize {
+    if i + 1 == n { 0 } else { i + 1 }
+}
+
 /// Distance at which a line from the origin with this direction first meets the shape; infinite if it misses, m.
 fn entry(corners: &[P2], direction: P2) -> f64 {
     let n = corners.len();
     let sides = if n == 2 { 1 } else { n };
     let mut nearest = f64::INFINITY;
     for i in 0..sides {
-        let (a, b) = (corners[i], corners[(i + 1) % n]);
+        let (a, b) = (corners[i], corners[next_of(i, n)]);
         let along = b - a;
         let (turn, across) = (direction.cross(along), a.cross(direction));
         // Most sides are beside the line by more than rounding errors: nothing is divided for them.
@@ -240,7 +245,7 @@ fn nearest_point(corners: &[P2]) -> f64 {
     };
     let mut nearest = [P2::default(); 4];
     for (i, nearest) in nearest[..n].iter_mut().enumerate() {
-        *nearest = to_origin(corners[i], corners[(i + 1) % n]);
+        *nearest = to_origin(corners[i], corners[next_of(i, n)]);
     }
     // A square root only for candidates for the minimum.
     let least = nearest[..n].iter().map(|p| p.dot(*p)).fold(f64::INFINITY, f64::min) * (1.0 + 1e-12);
@@ -382,7 +387,7 @@ impl View {
     /// The piece of this view for the box itself, if it is not around the eye. Targets are usually added in the order
     /// of their numbers; otherwise it may not be found.
     fn piece_of(&self, own: Option<Owner>, target: &OrientedBox) -> Option<&Piece> {
-        let at = self.pieces.binary_search_by_key(&own?, |piece| piece.owner).ok()?;
+        let at = self.glances.binary_search_by_key(&own?, |glance| glance.owner).ok()?;
         let piece = &self.pieces[at];
         (piece.footprint == Some(*target)).then_some(piece)
     }

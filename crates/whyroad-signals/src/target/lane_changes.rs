@@ -4,7 +4,7 @@ use crate::estimate::{Aside, stated};
 use crate::geometry::{P2, Polyline, p2, wrap};
 use crate::road::corridor::Corridor;
 use crate::road::lane_change;
-use crate::road::lanes::LanePlace;
+use crate::road::lanes::{HEADING_LIMIT_RAD, LanePlace};
 use crate::road::network::Road;
 use crate::series::GAP_S;
 use crate::table::TableBuilder;
@@ -207,16 +207,22 @@ fn weaves(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times:
     seen.into_iter().zip(certain).map(|(s, c)| if s && !c { Tri::Unknown } else { Tri::from(s) }).collect()
 }
 
-/// Against all lanes for vehicles at its position, outside of junctions.
-fn against(road: &Road, target: &Target<'_>, row: usize, p: &Placement) -> bool {
+/// Against all lanes for vehicles at its position, outside of junctions. `own` is its place on its lane.
+fn against(road: &Road, target: &Target<'_>, row: usize, own: Option<&LanePlace>, p: &Placement) -> bool {
     if p.speed() < MOVING_MPS || target.is_in_junction(road, row) {
         return false;
     }
-    let here = road.lanes_around(p.footprint.center).filter(|&i| {
+    let holds = |i: usize| {
         let lane = &road.lanes[i];
         matches!(lane.kind, LaneKind::Vehicle | LaneKind::Bus)
             && lane.area.as_ref().is_some_and(|a| a.contains(p.footprint.center))
-    });
+    };
+    // Its box is turned by no more than that from its own lane: mostly its course is certainly not against it.
+    let along_own = wrap(p.course() - p.footprint.heading).abs() + HEADING_LIMIT_RAD + 1e-6 < OPPOSITE_RAD;
+    if along_own && own.is_some_and(|own| holds(own.lane)) {
+        return false;
+    }
+    let here = road.lanes_around(p.footprint.center).filter(|&i| holds(i));
     let mut any = false;
     for i in here {
         let center = &road.lanes[i].center;
@@ -229,7 +235,7 @@ fn against(road: &Road, target: &Target<'_>, row: usize, p: &Placement) -> bool 
     any
 }
 
-fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
+fn wrong_way(road: &Road, target: &Target<'_>, places: &[Option<LanePlace>], times: &[f64]) -> Vec<Tri> {
     // Of whom neither motion nor heading is known, no way is.
     let is_told = |p: &Option<Placement>| p.as_ref().is_some_and(|p| !(p.course() + p.speed()).is_nan());
     let mut flags: Vec<Tri> =
@@ -240,9 +246,10 @@ fn wrong_way(road: &Road, target: &Target<'_>, times: &[f64]) -> Vec<Tri> {
     let mut run: Vec<usize> = Vec::new();
     let time = |r: usize| times[target.track.frames[r] as usize];
     for r in 0..=flags.len() {
+        let own = places.get(r).and_then(Option::as_ref);
         let goes_on = r < flags.len()
             && is_told(&target.places[r])
-            && target.places[r].as_ref().is_some_and(|p| against(road, target, r, p))
+            && target.places[r].as_ref().is_some_and(|p| against(road, target, r, own, p))
             && run.last().is_none_or(|&l| time(r) - time(l) <= GAP_S);
         if goes_on {
             run.push(r);
@@ -271,7 +278,7 @@ pub fn write(scene: &Interaction<'_>, table: &mut TableBuilder<'_>) {
     );
     let weaving: Vec<_> = each().map(|(t, places)| weaves(road, t, places, times)).collect();
     table.flag(id::TARGET_WEAVES, rows.spread(targets, Tri::Unknown, |k, r, _| weaving[k][r]));
-    let wrong: Vec<_> = targets.iter().map(|t| wrong_way(road, t, times)).collect();
+    let wrong: Vec<_> = each().map(|(t, places)| wrong_way(road, t, places, times)).collect();
     table.flag(id::TARGET_WRONG_WAY, rows.spread(targets, Tri::Unknown, |k, r, _| wrong[k][r]));
 }
 

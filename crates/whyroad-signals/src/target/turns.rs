@@ -35,8 +35,9 @@ fn turns(road: &Road, target: &Target<'_>) -> Vec<Option<TargetTurns>> {
     // Distance traveled; the noise of a stationary target must not add up to a distance.
     let mut traveled = vec![0.0; n];
     for r in 1..n {
-        let step = (p2(m.x[r], m.y[r]) - p2(m.x[r - 1], m.y[r - 1])).norm();
-        traveled[r] = traveled[r - 1] + if step.is_finite() && m.speed(r) >= 0.3 { step } else { 0.0 };
+        let step = || (p2(m.x[r], m.y[r]) - p2(m.x[r - 1], m.y[r - 1])).norm();
+        let step = if target.speed[r] >= 0.3 { step() } else { 0.0 };
+        traveled[r] = traveled[r - 1] + if step.is_finite() { step } else { 0.0 };
     }
     let inside: Vec<usize> = (0..n).filter(|&r| known(r) && target.is_in_junction(road, r)).collect();
     let mut runs: Vec<(usize, usize)> = Vec::new();

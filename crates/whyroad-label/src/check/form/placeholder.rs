@@ -84,8 +84,8 @@ pub(in crate::check) fn components(scope: &TextScope<'_>, sink: &mut dyn Sink) {
     }
 }
 
-/// A component says one thing, so it is no longer than a whole trace may be. One of several times that length was pasted
-/// by mistake: nothing else is said of it. Returns true for such a one.
+/// A component says one thing, so it is no longer than a whole trace may be. One of several times that length was
+/// pasted by mistake: nothing else is said of it. Returns true for such a one.
 fn too_long(at: String, text: &str, lexicon: &Lexicon, sink: &mut dyn Sink) -> bool {
     let limit = lexicon.limits.too_long_above;
     // Most are short: then nothing is counted.

@@ -103,8 +103,9 @@ pub(super) fn check(
     }
 }
 
-/// The only linked object of the kind that the text says to stand, and its speed at the keyframe, km/h, where it plainly
-/// drives. What the component says is compared with what was known then; whoever writes the trace has seen it drive.
+/// The only linked object of the kind that the text says to stand, and its speed at the keyframe, km/h, where it
+/// plainly drives. What the component says is compared with what was known then; whoever writes the trace has seen it
+/// drive.
 fn stands(label: &View<'_>, texts: &Texts, text: &str, words: &LabelWords, w: &Driven<'_>) -> Option<f64> {
     let standing = |n: &&Named| n.start < text.len() && n.state == Some(SaidState::Standing);
     let named: Vec<_> = texts.trace.there().filter(|n| super::object::is_tracked(words, n)).collect();

@@ -2,7 +2,7 @@
 
 use super::nearest::{MOST, MOST_BENT};
 use super::*;
-use crate::geometry::p2;
+use crate::geometry::{p2, wrap};
 
 fn l_shape() -> Polyline {
     Polyline::new([p2(0.0, 0.0), p2(10.0, 0.0), p2(10.0, 0.0), p2(10.0, 10.0)]).unwrap()
@@ -299,5 +299,29 @@ fn the_distance_is_that_of_all_segments() {
         let each = line.points.windows(2).map(|w| segment_distance2(p, w[0], w[1]));
         let expected = each.fold(f64::INFINITY, f64::min).sqrt();
         assert_eq!(line.distance(p).to_bits(), expected.to_bits(), "{k}");
+    }
+}
+
+#[test]
+fn chords_lead_in_the_range_of_directions() {
+    // From east to north in steps of 10 deg, over west to south-west, and a zigzag across the wrap at 180 deg.
+    let turns = [
+        ((0..=9).map(|i| f64::from(i) * 10.0).collect::<Vec<f64>>(), 45.0, 45.0),
+        (vec![150.0, 180.0, -160.0, -130.0], -170.0, 40.0),
+        (vec![170.0, -170.0, 175.0, -175.0, 160.0], 175.0, 15.0),
+    ];
+    for (headings, middle, half) in turns {
+        let mut at = vec![p2(680_000.0, 4_800_000.0)];
+        for (i, heading) in headings.iter().enumerate() {
+            at.push(at[i] + P2::from_heading(heading.to_radians()) * (0.4 + i as f64));
+        }
+        let line = Polyline::new(at).unwrap();
+        let (of_middle, of_half) = line.range_of_directions();
+        assert!(wrap(of_middle - f64::to_radians(middle)).abs() < 1e-6, "{of_middle}");
+        assert!((of_half - f64::to_radians(half)).abs() < 1e-6, "{of_half}");
+        for i in -5..=200 {
+            let chord = line.smooth_heading_at(f64::from(i) * 0.1, 2.0);
+            assert!(wrap(chord - of_middle).abs() <= of_half + 1e-6, "{i}");
+        }
     }
 }
