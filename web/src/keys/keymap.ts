@@ -143,7 +143,7 @@ export function repeats(action: ActionId): boolean {
 const types = (stroke: string): boolean =>
   !stroke.startsWith("Ctrl+") && !stroke.startsWith("Alt+") && stroke !== "Escape" && !/^F\d+$/.test(stroke);
 
-/** Kind of the focused element: it decides which strokes belong to it. `undone`: text that the page's undo takes back. */
+/** Kind of the focused element: it decides which strokes belong to it. `undone`: text of the page's own undo. */
 export type Focus = "text" | "undone" | "choice" | "radio" | "button" | "slider" | "page";
 
 /**
