@@ -25,13 +25,13 @@ pub enum Course {
     Across,
 }
 
-/// The course of `p`.
+/// The course of `p`. What is beside the ego does not come head-on any more: its side passes along the ego's way.
 pub fn course_of(p: &Placement) -> Course {
     let turned = p.turned();
     let straight = || wrap(p.path.heading - p.heading_at_ego).abs() < HEAD_ON_RAD;
     if turned <= ALONG_RAD {
         Course::Along
-    } else if turned > PI - HEAD_ON_RAD && straight() {
+    } else if turned > PI - HEAD_ON_RAD && straight() && !p.beside_ego {
         // A car of the same direction that reverses also moves against the path.
         Course::HeadOn
     } else {
