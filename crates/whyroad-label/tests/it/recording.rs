@@ -216,6 +216,8 @@ fn what_the_trace_states_of_the_ego_and_the_object_is_compared() {
         // It drives, at 18 km/h.
         "前方的轿车停在路上不动，自车会追上它，因此自车减速让行。",
         "The car ahead is standing still and we would run into it, so we slow down.",
+        // The same car again.
+        "前方的轿车停在路上，那辆轿车马上就到眼前，因此自车减速让行。",
     ] {
         assert_eq!(of(trace), wrong, "{trace}");
     }

@@ -56,6 +56,9 @@ const STANDS_EN: [&str; 8] = [
 ];
 /// Words between the ego and its state.
 const FILLERS: [&str; 6] = ["", "正", "还", "已", "已经", "仍"];
+/// Before a thing that was named before.
+const REFERENCES: [&str; 10] =
+    ["那辆", "这辆", "该", "该辆", "那名", "这名", "那台", "that ", "this ", "the same "];
 /// What begins the decision.
 const DECISION: [&str; 9] = ["因此", "所以", "于是", "故而", "从而", ", so ", " so we", "therefore", "hence"];
 
@@ -112,7 +115,8 @@ fn stands(label: &View<'_>, texts: &Texts, text: &str, words: &LabelWords, w: &D
     let thing = named.iter().copied().find(standing)?;
     // Others of its kind: which of them stands is open.
     let own = words.objects[thing.group].own;
-    if named.iter().any(|n| !standing(n) && words.objects[n.group].near.meets(own)) {
+    let is_meant = |n: &Named| REFERENCES.iter().any(|r| text.get(..n.start).is_some_and(|t| t.ends_with(r)));
+    if named.iter().any(|n| !standing(n) && !is_meant(n) && words.objects[n.group].near.meets(own)) {
         return None;
     }
     let speaks = |facts: &TextFacts| facts.there().any(|n| words.objects[n.group].near.meets(own));
