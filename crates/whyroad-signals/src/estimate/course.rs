@@ -22,6 +22,8 @@ const GAP_S: f64 = 1.0;
 const BETWEEN_S: f64 = 1.0;
 /// Nobody reverses faster, m/s.
 const FORWARD_MPS: f64 = 7.0;
+/// Cosine of the angle between heading and way above which front and rear are swapped (150 deg).
+const SWAPPED_COS: f64 = -0.866;
 /// A stated speed along the heading below this tells no direction, m/s.
 const MOVING_MPS: f64 = 0.5;
 
@@ -68,7 +70,16 @@ fn fill(m: &Motion, seconds: &[f64]) -> Option<Vec<f64>> {
         return None;
     }
     let mut out = m.heading.clone();
-    let stated: Vec<usize> = (0..m.len()).filter(|&i| m.heading[i].is_finite()).collect();
+    // Ingest recognizes swapped ends only once they have shown: the rows before are as wrong.
+    for i in 0..m.len() {
+        let opposes = |(course, speed): (f64, f64)| {
+            speed >= FORWARD_MPS && wrap(course - m.heading[i]).cos() < SWAPPED_COS
+        };
+        if m.heading[i].is_finite() && course(m, seconds, i).is_some_and(opposes) {
+            out[i] = f64::NAN;
+        }
+    }
+    let stated: Vec<usize> = (0..m.len()).filter(|&i| out[i].is_finite()).collect();
     for pair in stated.windows(2) {
         join_evenly(&mut out, seconds, pair[0]..pair[1]);
     }
@@ -78,7 +89,7 @@ fn fill(m: &Motion, seconds: &[f64]) -> Option<Vec<f64>> {
         follow(m, seconds, &mut out, from..end);
         start = end;
     }
-    out.iter().zip(&m.heading).any(|(a, b)| a.is_finite() && b.is_nan()).then_some(out)
+    out.iter().zip(&m.heading).any(|(a, b)| a.is_finite() && a.to_bits() != b.to_bits()).then_some(out)
 }
 
 /// Turns evenly between two stated headings.
@@ -222,10 +233,10 @@ mod tests {
         let mut m = along((0..60).map(|i| (-0.2 * i as f64, 0.0)));
         m.forward = vec![-2.0; 60];
         assert!(fill(&m, &seconds(60)).unwrap().iter().all(|h| h.abs() < 1e-9));
-        // At 10 m/s nobody reverses.
+        // At 10 m/s nobody reverses, and a stated heading that says so is none.
         let mut m = along((0..60).map(|i| (-1.0 * i as f64, 0.0)));
         m.heading[0] = 0.0;
-        assert!(fill(&m, &seconds(60)).unwrap()[1..].iter().all(|h| (h.abs() - PI).abs() < 1e-9));
+        assert!(fill(&m, &seconds(60)).unwrap().iter().all(|h| (h.abs() - PI).abs() < 1e-9));
     }
 
     #[test]

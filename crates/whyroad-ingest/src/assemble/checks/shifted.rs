@@ -42,6 +42,8 @@ const LEAST_SHIFT_M: f64 = 0.75;
 /// this cosine of the angle (160 deg).
 const AGAINST_SHARE: f64 = 0.8;
 const IN_LANE_M: f64 = 2.0;
+/// Farther than this from every center line is in no lane, m.
+const NEAR_LANE_M: f64 = 3.5;
 const OTHER_WAY: f64 = -0.939_7;
 
 /// Removes a map whose lanes run against the traffic, and reports one that fits better when it is moved.
@@ -55,7 +57,40 @@ pub(super) fn check(drive: &mut Drive) -> Option<Diagnostic> {
         }
         return Some(runs_against(against, of));
     }
+    if let Some((outside, of)) = outside(&moments, map) {
+        return Some(lies_beside(outside, of));
+    }
     shifted(&passages(&moments, map)?)
+}
+
+/// How many positions are in no lane at all, and of how many; `None` where they are not most.
+fn outside(moments: &[Vec<Moment>], map: &RoadMap) -> Option<(usize, usize)> {
+    let lanes = lanes(map);
+    let is_outside = |moment: &&Moment| {
+        let mut is_in = false;
+        moment.each_near(&lanes, NEAR_LANE_M, &mut |start, unit, length| {
+            is_in |= distance_to(moment.at, start, unit, length) <= NEAR_LANE_M;
+        });
+        !is_in
+    };
+    let of = moments.iter().map(Vec::len).sum();
+    let outside = moments.iter().flatten().filter(is_outside).count();
+    (outside as f64 >= AGAINST_SHARE * of as f64).then_some((outside, of))
+}
+
+fn lies_beside(outside: usize, of: usize) -> Diagnostic {
+    warning(
+        "ingest.map.shifted",
+        format!("地图可能偏移：行驶车辆的 {of} 个位置中有 {outside} 个不在任何车道内；车道、变道与停止线的结果可能有误"),
+        format!(
+            "the map seems to be shifted: {outside} of {of} positions of moving vehicles lie in no lane; lanes, lane changes \
+             and stop lines may be wrong"
+        ),
+    )
+    .with_hint(Bilingual::new(
+        "检查地图与位姿的原点、投影与基准；`--map-offset X,Y` 平移地图",
+        "check origin, projection and datum of the map and of the poses; `--map-offset X,Y` moves the map",
+    ))
 }
 
 /// How many positions are in lanes that run the other way only, and of how many; `None` where they are not most.
