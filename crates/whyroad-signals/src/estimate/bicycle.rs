@@ -4,6 +4,7 @@
 
 use super::kalman::Model;
 use super::matrix::{Matrix, identity, zero};
+use whyroad_model::ObjectClass;
 
 /// Components of the state.
 pub const X: usize = 0;
@@ -44,6 +45,12 @@ const COUPLED: [(usize, &[usize]); 4] = [
     (HEADING, &[YAW_RATE]),
     (SPEED, &[ACCEL]),
 ];
+
+/// True for objects that move along their heading.
+pub fn on_wheels(class: ObjectClass) -> bool {
+    class.is_vehicle()
+        || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::Motorcyclist)
+}
 
 /// The model for one vehicle.
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,7 +5,7 @@
 //! fitted to the positions around the row; who stands heads where it drove before, or where it then drives. A vehicle
 //! that never moves has no heading.
 
-use super::estimated::on_wheels;
+use super::bicycle::on_wheels;
 use crate::geometry::wrap;
 use std::ops::Range;
 use whyroad_model::Drive;

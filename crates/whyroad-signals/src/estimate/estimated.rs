@@ -1,7 +1,7 @@
 //! Estimates the states of a drive: determines the noise of each kind of object, joins ids, and smooths each object
 //! unless its measurements are exact and complete.
 
-use super::bicycle::{Bicycle, REAR_TO_CENTER};
+use super::bicycle::{Bicycle, REAR_TO_CENTER, on_wheels};
 use super::course;
 use super::deviation;
 use super::join::{Candidate, MAX_AWAY_S, joins};
@@ -103,12 +103,6 @@ impl Estimated<'_> {
             }
         }
     }
-}
-
-/// True for objects that move along their heading.
-pub(super) fn on_wheels(class: ObjectClass) -> bool {
-    class.is_vehicle()
-        || matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::Motorcyclist)
 }
 
 /// The states of a drive; see the module `estimate`.
