@@ -300,14 +300,18 @@ fn what_contradicts_itself_is_reported() {
         fs::write(dir.join("objects.csv"), &text[..text.trim_end().rfind(',').unwrap() - 20]).unwrap();
     });
     assert!(drive.is_some_and(|d| d.tracks.len() == 2) && codes(&report) == ["table.row.dropped"]);
-    // A header is no answer.
+    // A header alone says that there are no lights; rows that cannot be used say nothing.
     let header = |dir: &Path, file: &str| {
         let text = fs::read_to_string(dir.join(file)).unwrap();
         fs::write(dir.join(file), text.lines().next().unwrap()).unwrap();
     };
     let (drive, report) = changed(|dir| header(dir, "lights.csv"));
+    assert!(drive.is_some_and(|d| d.lights.is_some_and(|states| states.is_empty())));
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    let (drive, report) =
+        changed(|dir| fs::write(dir.join("lights.csv"), "time_s,lane_id,colour\n,east-1,red\n").unwrap());
     assert!(drive.is_some_and(|d| d.lights.is_none() && d.meta.missing.contains(&Need::TrafficLights)));
-    assert_eq!(codes(&report), ["table.file.empty"]);
+    assert_eq!(codes(&report), ["table.row.dropped", "table.file.empty"]);
     let (drive, report) = changed(|dir| header(dir, "ego.csv"));
     assert!(drive.is_none() && codes(&report) == ["table.file.empty"]);
     // Another name, or another form, of a table.

@@ -196,7 +196,7 @@ mod twins {
         }
         assert!(wrong.is_empty(), "{} of {ran}:\n{}", wrong.len(), wrong.join("\n"));
         // So that a table that shrank, or was not read, does not pass.
-        assert_eq!(ran, 110);
+        assert_eq!(ran, 111);
 
         // One wrong expectation must be seen.
         let (twin, found) = first.unwrap();
@@ -220,6 +220,8 @@ mod twins {
             "lexicon.pattern",
             "lexicon.class",
         ];
+        // Of labels beside a lake: `labels_of_drives_that_the_lake_lacks_are_named` below.
+        let elsewhere = [&elsewhere[..], &["label.clip.unrecorded"]].concat();
         // Faults of text are shown by the corpus of whyroad-label (`tests/it/corpus`), those against a recording by
         // `label_checks` of whyroad-engine, those of migration by its own tests.
         let corpus = [
@@ -278,6 +280,25 @@ fn the_examples_are_valid() {
     for name in ["cutin_urgent", "lane_change", "vru_crossing", "blind_spot"] {
         assert!(root().join(format!("examples/{name}_example.json")).is_file(), "{name}");
     }
+}
+
+/// A label of which no drive is there was not compared, and does not count as if it were.
+#[test]
+fn labels_of_drives_that_the_lake_lacks_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let lake = dir.path().join("lake");
+    let ingest = Command::new(env!("CARGO_BIN_EXE_whyroad"))
+        .args(["ingest", "table", "examples/table/following", "--lake"])
+        .arg(&lake)
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(ingest.status.success(), "{}", text(&ingest.stderr));
+    let example = "examples/cutin_urgent_example.json";
+    let args = [example, "--format", "json", "--lake", lake.to_str().unwrap()];
+    let o = validate(&root(), &args, b"");
+    assert_eq!((code(&o), codes(&o)), (0, vec!["label.clip.unrecorded".to_owned()]));
+    assert!(codes(&validate(&root(), &args[..3], b"")).is_empty());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::findings;
 use super::problems::Problems;
 use super::reader::Reader;
-use super::sheet::TIME;
+use super::sheet::{Sheet, TIME};
 use super::words::UnknownWords;
 use crate::report::RowCount;
 use whyroad_model::Nanos;
@@ -16,7 +16,17 @@ const COLORS: &str = "one of red, yellow, green, green_yield, green_round, green
 /// The highest posted limit is 160 km/h (Abu Dhabi), m/s.
 const HIGHEST_LIMIT_MPS: f64 = 45.0;
 
-/// Light states; `None` without the table, and without a row that can be used.
+/// The states, if a row can be used. A table with a header only says that there is none; one whose rows cannot be used
+/// says nothing.
+fn usable<T>(states: Vec<T>, sheet: &Sheet, reader: &mut Reader) -> Option<Vec<T>> {
+    if states.is_empty() && sheet.rows > 0 {
+        reader.report.diagnostics.push(findings::no_row(&sheet.label));
+        return None;
+    }
+    Some(states)
+}
+
+/// Light states; `None` without the table, and where no row of it can be used.
 pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     let columns = ["timestamp_ns", "time", "time_s", "lane_id", "to_lane_id", "colour", "countdown_s"];
     let sheet = reader.sheet("lights", &columns, &[TIME, &["lane_id"], &["colour"]])?;
@@ -44,10 +54,7 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
     out.sort_by(|a, b| (&a.lane_id, &a.to_lane_id, a.time).cmp(&(&b.lane_id, &b.to_lane_id, b.time)));
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
     reader.report.tables.push(count);
-    if out.is_empty() {
-        reader.report.diagnostics.push(findings::no_row(&sheet.label));
-    }
-    Some(out).filter(|states| !states.is_empty())
+    usable(out, &sheet, reader)
 }
 
 /// Weather, surface and the like; `None` without the table, and without a row that can be used. A value that is missing
@@ -98,8 +105,5 @@ pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
     reader.report.diagnostics.extend(problems.diagnostics(&sheet.label));
     reader.report.diagnostics.extend(words.diagnostics(&sheet.label));
     reader.report.tables.push(count);
-    if out.is_empty() {
-        reader.report.diagnostics.push(findings::no_row(&sheet.label));
-    }
-    Some(out).filter(|states| !states.is_empty())
+    usable(out, &sheet, reader)
 }
