@@ -344,7 +344,6 @@ fn speeds_and_headings_that_differ_a_little_are_used() {
     let mut d = drive();
     let ego = d.ego.as_mut().unwrap();
     ego.bus.speed_mps = vec![10.6; 50];
-    ego.motion.heading.fill(std::f64::consts::PI);
     d.tracks[0].motion.heading.fill(0.3);
     assert!(codes(&mut d).is_empty());
 }
