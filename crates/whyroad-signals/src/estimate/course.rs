@@ -234,7 +234,7 @@ mod tests {
         m.forward = vec![-2.0; 60];
         assert!(fill(&m, &seconds(60)).unwrap().iter().all(|h| h.abs() < 1e-9));
         // At 10 m/s nobody reverses, and a stated heading that says so is none.
-        let mut m = along((0..60).map(|i| (-1.0 * i as f64, 0.0)));
+        let mut m = along((0..60).map(|i| (-(i as f64), 0.0)));
         m.heading[0] = 0.0;
         assert!(fill(&m, &seconds(60)).unwrap().iter().all(|h| (h.abs() - PI).abs() < 1e-9));
     }
