@@ -12,6 +12,7 @@ pub(crate) mod cause;
 mod clips;
 mod codes;
 mod consistency;
+mod excerpt;
 mod form;
 mod motion;
 mod overlap;
@@ -195,16 +196,6 @@ impl<'f> Checker<'f> {
             let view = tolerant::read(walk, &self.framework.decisions);
             self.rules(&view, drafted, walk);
         })
-    }
-}
-
-/// The beginning of a quoted text.
-fn excerpt(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let text = text.trim().trim_start_matches(['，', ',', ' ']);
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
     }
 }
 

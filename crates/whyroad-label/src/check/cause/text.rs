@@ -4,7 +4,7 @@
 use super::{disowned, flipped, grounds};
 use crate::check::consistency::trace::Reading;
 use crate::check::consistency::trace_rules;
-use crate::check::excerpt;
+use crate::check::excerpt::excerpt;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::subject;

@@ -1,6 +1,6 @@
 //! An irrelevant component: it is not about road or traffic, or is off the road, and the trace does not use it.
 
-use crate::check::excerpt;
+use crate::check::excerpt::excerpt;
 use crate::check::overlap;
 use crate::check::reading::{Named, TextFacts};
 use crate::check::texts::{TextScope, Texts};

@@ -6,7 +6,7 @@ use crate::check::consistency::sequel;
 use crate::check::consistency::trace::{Force, Mention, Reading, TraceVerdict, aftermath, form, judge};
 use crate::check::consistency::trace_stems::{self, ByStem};
 use crate::check::consistency::undecided;
-use crate::check::excerpt;
+use crate::check::excerpt::excerpt;
 use crate::check::reading::Named;
 use crate::check::texts::TextScope;
 use crate::check::view::View;

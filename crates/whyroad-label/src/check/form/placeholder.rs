@@ -2,7 +2,7 @@
 
 use super::kept::{Kept, kept, without_draft_mark};
 use crate::check::consistency::trace::form;
-use crate::check::excerpt;
+use crate::check::excerpt::excerpt;
 use crate::check::overlap;
 use crate::check::reading::TextFacts;
 use crate::check::texts::TextScope;
