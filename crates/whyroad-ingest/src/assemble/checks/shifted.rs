@@ -42,8 +42,9 @@ const LEAST_SHIFT_M: f64 = 0.75;
 /// this cosine of the angle (160 deg).
 const AGAINST_SHARE: f64 = 0.8;
 const IN_LANE_M: f64 = 2.0;
-/// Farther than this from every center line is in no lane, m.
+/// Farther than this from every center line is in no lane, and farther than that where the map has no road, m.
 const NEAR_LANE_M: f64 = 3.5;
+const BESIDE_LANE_M: f64 = 15.0;
 const OTHER_WAY: f64 = -0.939_7;
 
 /// Removes a map whose lanes run against the traffic, and reports one that fits better when it is moved.
@@ -63,19 +64,20 @@ pub(super) fn check(drive: &mut Drive) -> Option<Diagnostic> {
     shifted(&passages(&moments, map)?)
 }
 
-/// How many positions are in no lane at all, and of how many; `None` where they are not most.
+/// How many of the positions in or beside lanes are in none; `None` where they are not most. Others are where the map
+/// has no roads.
 fn outside(moments: &[Vec<Moment>], map: &RoadMap) -> Option<(usize, usize)> {
     let lanes = lanes(map);
-    let is_outside = |moment: &&Moment| {
-        let mut is_in = false;
-        moment.each_near(&lanes, NEAR_LANE_M, &mut |start, unit, length| {
-            is_in |= distance_to(moment.at, start, unit, length) <= NEAR_LANE_M;
+    let (mut outside, mut of) = (0, 0);
+    for moment in moments.iter().flatten() {
+        let mut nearest = f64::INFINITY;
+        moment.each_near(&lanes, BESIDE_LANE_M, &mut |start, unit, length| {
+            nearest = nearest.min(distance_to(moment.at, start, unit, length));
         });
-        !is_in
-    };
-    let of = moments.iter().map(Vec::len).sum();
-    let outside = moments.iter().flatten().filter(is_outside).count();
-    (outside as f64 >= AGAINST_SHARE * of as f64).then_some((outside, of))
+        of += usize::from(nearest <= BESIDE_LANE_M);
+        outside += usize::from(nearest <= BESIDE_LANE_M && nearest > NEAR_LANE_M);
+    }
+    (of >= LEAST && outside as f64 >= AGAINST_SHARE * of as f64).then_some((outside, of))
 }
 
 fn lies_beside(outside: usize, of: usize) -> Diagnostic {
