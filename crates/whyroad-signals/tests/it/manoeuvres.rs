@@ -474,9 +474,16 @@ fn what_a_log_lacks_is_named_and_never_given() {
         assert_eq!(t.0.unavailable[name], [Need::ObjectClasses], "{name}");
     }
     assert_eq!(t.flag("blip", "target.in_ego_lane", 5), True);
-    // One known class, and the log has classes.
+    // One known class, and the log has classes: there is a lead, and whether it is the car depends on what is before
+    // it.
     car(&mut d, "lead", |t| (40.0 + 10.0 * t, 0.0, 0.0));
-    assert_eq!(Table::of(&d).flag("lead", "target.is_lead", 5), True);
+    let t = Table::of(&d);
+    assert_eq!(
+        (t.flag("lead", "target.is_lead", 5), t.flag("blip", "target.is_lead", 5)),
+        (Unknown, Unknown)
+    );
+    assert_eq!(t.ego_flag("lead.exists", 5), True);
+    assert!(t.ego("lead.gap", 5).is_nan());
 
     // An ego whose pose is lost for a second: unknown then, known again after.
     let mut d = drive(40, |t| (10.0 * t, 0.0, 0.0));
