@@ -4,6 +4,7 @@ import type { Lang } from "./text.svelte.ts";
 /** By code, in the order of a label: `docs/diagnostics/<code>.md` describes each. */
 const NAMES: Readonly<Record<string, readonly [zh: string, en: string]>> = {
   "label.class.rule": ["规则找到的是另一场景", "the rules find another class"],
+  "label.clip.unrecorded": ["没有可核对的录制", "no recording to compare with"],
   "label.class.motion": ["决策与场景不符", "decision against the class"],
   "label.text.class": ["文字没有提到场景的主体", "texts do not mention the subject of the class"],
   "label.keyframe.moment": ["关键帧偏离规则的时刻", "keyframe off the rule's moment"],
