@@ -7,7 +7,7 @@ mod resolve;
 
 pub use lookup::{class_ambiguous, class_not_found};
 pub use read::read_taxonomy;
-pub(crate) use read::{FAMILY, another_id, optional_bilingual, read_bilingual, read_version};
+pub(crate) use read::{FAMILY, another_id, is_snake_case, optional_bilingual, read_bilingual, read_version};
 pub use resolve::Resolution;
 pub use whyroad_model::suggest::did_you_mean;
 pub(crate) use whyroad_model::suggest::suggestion;

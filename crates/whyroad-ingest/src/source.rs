@@ -106,19 +106,17 @@ pub(crate) fn file_label(path: &Path) -> String {
 /// A drive id from a name: what is not safe in a folder name becomes `-`. A name that loses letters or digits so (of
 /// other scripts) keeps its identity by the first eight digits of its hash.
 pub(crate) fn drive_id(name: &str) -> DriveId {
-    let is_safe = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-    let id: String = name.chars().map(|c| if is_safe(c) { c } else { '-' }).take(MOST_ID).collect();
+    const MOST: usize = DriveId::MOST_CHARS;
+    let is_safe = DriveId::is_folder_safe_char;
+    let id: String = name.chars().map(|c| if is_safe(c) { c } else { '-' }).take(MOST).collect();
     if name.chars().any(|c| !is_safe(c) && c.is_alphanumeric()) {
         let kept = id.trim_matches(['-', '.']);
-        let kept = if kept.is_empty() { "drive" } else { &kept[..kept.len().min(MOST_ID - 9)] };
+        let kept = if kept.is_empty() { "drive" } else { &kept[..kept.len().min(MOST - 9)] };
         return DriveId::from(format!("{kept}-{}", &blake3::hash(name.as_bytes()).to_hex()[..8]).as_str());
     }
     let id = id.trim_start_matches('.');
     DriveId::from(if id.is_empty() { "drive" } else { id })
 }
-
-/// Characters of a drive id.
-const MOST_ID: usize = 128;
 
 /// A note where a drive cannot have the name that its log states.
 pub(crate) fn renamed(file: &str, name: &str, id: &DriveId) -> Option<Diagnostic> {

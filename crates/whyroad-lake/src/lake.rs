@@ -224,7 +224,7 @@ impl Lake {
 
     /// The folder of a drive. An id that is not a folder name cannot be in the lake, and must not be joined to a path.
     pub(crate) fn checked_dir(&self, id: &DriveId) -> Result<PathBuf, LakeError> {
-        if !validity::is_folder_safe(id.as_str()) {
+        if !id.is_folder_safe() {
             return Err(LakeError::DriveMissing(id.clone()));
         }
         Ok(self.drive_dir(id))

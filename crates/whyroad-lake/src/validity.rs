@@ -5,7 +5,7 @@ use whyroad_model::scene::{Motion, Track};
 
 /// Description of the first broken condition.
 pub(crate) fn broken_promise(drive: &Drive) -> Option<String> {
-    if !is_folder_safe(drive.meta.drive_id.as_str()) {
+    if !drive.meta.drive_id.is_folder_safe() {
         return Some(
             "the id is not safe as a folder name (letters, digits, '-', '_', '.'; at most 128; not starting with '.')".into(),
         );
@@ -66,12 +66,4 @@ fn broken_track(t: &Track, frames: usize) -> Option<String> {
 fn motion_has_len(m: &Motion, n: usize) -> bool {
     [&m.x, &m.y, &m.z, &m.heading, &m.vx, &m.vy, &m.accel, &m.yaw_rate].iter().all(|c| c.len() == n)
         && (m.forward.is_empty() || m.forward.len() == n)
-}
-
-/// True for an id that names a folder on every file system and never leaves the lake.
-pub(crate) fn is_folder_safe(id: &str) -> bool {
-    !id.is_empty()
-        && id.len() <= 128
-        && !id.starts_with('.')
-        && id.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.'))
 }

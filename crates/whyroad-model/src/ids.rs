@@ -40,6 +40,24 @@ string_id!(
     TrackId
 );
 
+impl DriveId {
+    /// Maximum length, characters.
+    pub const MOST_CHARS: usize = 128;
+
+    /// True for a character that may be in an id: an ASCII letter or digit, `-`, `_` or `.`.
+    pub fn is_folder_safe_char(c: char) -> bool {
+        c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
+    }
+
+    /// True if the id names a folder on every file system and never leaves the lake.
+    pub fn is_folder_safe(&self) -> bool {
+        let id = &self.0;
+        (1..=Self::MOST_CHARS).contains(&id.len())
+            && !id.starts_with('.')
+            && id.chars().all(Self::is_folder_safe_char)
+    }
+}
+
 /// First part of the ids of custom rules.
 const CUSTOM: &str = "custom";
 

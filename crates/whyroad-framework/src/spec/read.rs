@@ -5,7 +5,7 @@ use super::raw::{
     BoundLayer, ChoiceLayer, KeyframeLayer, LabelingLayer, LeafLayer, MomentLayer, PackLayer, RecordLayer,
     SpecFile, Words,
 };
-use crate::taxonomy::{Taxonomy, did_you_mean, read_version, suggestion};
+use crate::taxonomy::{Taxonomy, did_you_mean, is_snake_case, read_version, suggestion};
 use crate::yaml_text;
 use indexmap::IndexMap;
 use whyroad_model::decision::Lateral;
@@ -294,7 +294,7 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
         let choices = f.get("choices").map(|n| choices(n, r)).unwrap_or_default();
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
-        if !is_key(&id) || out.iter().any(|o| o.id == id) {
+        if !is_snake_case(&id) || out.iter().any(|o| o.id == id) {
             r.error_with_hint("spec.record.id", item, unusable_id(("记录项", "record"), &id), new_id());
             continue;
         }
@@ -305,7 +305,7 @@ fn records(node: &Node, r: &mut FileReport) -> Vec<RecordLayer> {
 
 /// The message for the id of a record or a choice that cannot be used.
 fn unusable_id((zh, en): (&str, &str), id: &str) -> Bilingual {
-    if is_key(id) {
+    if is_snake_case(id) {
         Bilingual::new(format!("{zh} id '{id}' 重复"), format!("{en} id '{id}' is used twice"))
     } else {
         Bilingual::new(
@@ -322,12 +322,6 @@ fn new_id() -> Bilingual {
     )
 }
 
-/// Lower snake case.
-fn is_key(id: &str) -> bool {
-    id.starts_with(|c: char| c.is_ascii_lowercase())
-        && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
-}
-
 fn choices(node: &Node, r: &mut FileReport) -> Vec<ChoiceLayer> {
     let mut out: Vec<ChoiceLayer> = Vec::new();
     for item in r.items(node) {
@@ -337,7 +331,7 @@ fn choices(node: &Node, r: &mut FileReport) -> Vec<ChoiceLayer> {
         let measured = f.list("measured", r).iter().filter_map(|n| r.text(n)).collect();
         f.close(r);
         let (Some(id), Some(name)) = (id, name) else { continue };
-        if !is_key(&id) || out.iter().any(|o| o.id == id) {
+        if !is_snake_case(&id) || out.iter().any(|o| o.id == id) {
             r.error_with_hint("spec.record.id", item, unusable_id(("选项", "choice"), &id), new_id());
             continue;
         }

@@ -317,9 +317,7 @@ pub(crate) fn read_version(f: &mut Fields, code: &'static str, r: &mut FileRepor
 fn read_id(f: &mut Fields, r: &mut FileReport) -> Option<String> {
     let node = f.need("id", r)?;
     let id = r.text(node)?;
-    let well_formed = id.starts_with(|c: char| c.is_ascii_lowercase())
-        && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
-    if !well_formed {
+    if !is_snake_case(&id) {
         let message = Bilingual::new(
             format!("id '{id}' 只能由小写字母、数字和下划线组成，并以字母开头"),
             format!("id '{id}' must be lower snake case and start with a letter"),
@@ -332,6 +330,12 @@ fn read_id(f: &mut Fields, r: &mut FileReport) -> Option<String> {
         return meant;
     }
     Some(id)
+}
+
+/// True for an id in lower snake case that begins with a letter.
+pub(crate) fn is_snake_case(id: &str) -> bool {
+    id.starts_with(|c: char| c.is_ascii_lowercase())
+        && id.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_')
 }
 
 /// `FromStationary` and `from-stationary` as `from_stationary`; `None` where other characters remain.

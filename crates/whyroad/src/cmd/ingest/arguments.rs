@@ -100,9 +100,7 @@ fn paths() -> Arg {
 
 /// The text, if it can be the id of a drive.
 fn drive_id(text: &str) -> Result<String, Reason> {
-    let is_safe = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-    let fits = (1..=128).contains(&text.len()) && text.chars().all(is_safe) && !text.starts_with('.');
-    fits.then(|| text.to_owned()).ok_or_else(|| {
+    DriveId::from(text).is_folder_safe().then(|| text.to_owned()).ok_or_else(|| {
         Reason::from(Bilingual::new(
             "行程编号由 1 至 128 个 ASCII 字母、数字与 - _ . 组成，且不以 . 开头",
             "an id of a drive has 1 to 128 ASCII letters, digits, - _ and ., and does not begin with a full stop",
