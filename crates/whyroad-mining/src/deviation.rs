@@ -1,6 +1,8 @@
 //! Thresholds of numbers that have standard deviations. A comparison by `<`, `<=`, `>` or `>=` changes its answer only
 //! where the two sides differ by more than the deviation of their difference; within it the answer of the previous row
-//! is kept, unless [`ROWS_ACROSS`] rows in succession contradict it. Without deviations each row is compared by itself.
+//! is kept, unless [`ROWS_ACROSS`] rows in succession contradict it. A new answer holds from the first of the rows in
+//! succession that contradict the old one: there the threshold was crossed, and noise only delays the proof. Without
+//! deviations each row is compared by itself.
 //!
 //! Here are the rules by which deviations combine, and the plain definition of such a comparison; both evaluators use
 //! the first, the reference also the second.
@@ -51,9 +53,14 @@ pub(crate) fn crossed(op: CompareOp, a: &[f64], b: &[f64], deviation: &[f64]) ->
         let plain = compare(op, *a, *b, 1.0).0;
         let noise = stated(*deviation);
         let within = noise > 0.0 && (a - b).abs() <= noise;
-        let decided = plain == Tri::Unknown || before == Tri::Unknown || !within;
-        across = if decided || plain == before { 0 } else { across + 1 };
-        if decided || across == ROWS_ACROSS {
+        if plain == Tri::Unknown || before == Tri::Unknown || plain == before {
+            before = plain;
+            across = 0;
+        } else if within && across + 1 < ROWS_ACROSS {
+            across += 1;
+        } else {
+            let first = out.len() - across;
+            out[first..].fill(plain);
             before = plain;
             across = 0;
         }
@@ -71,8 +78,11 @@ mod tests {
     fn a_threshold_is_crossed_by_more_than_the_noise() {
         let a = [1.0, 2.05, 2.2, 2.05, 1.95, 1.85, 1.95];
         let above = |sd: f64| crossed(CompareOp::Greater, &a, &[2.0; 7], &[sd; 7]);
-        // By hand: with 0.1, 2.05 is not yet above, 1.95 not yet below.
-        assert_eq!(above(0.1), [False, False, True, True, True, False, False]);
+        // By hand: with 0.1, 2.05 and 1.95 prove nothing, 2.2 and 1.85 do, back to the row before them.
+        assert_eq!(above(0.1), [False, True, True, True, False, False, False]);
+        let swings = [1.0, 2.05, 1.95, 2.05, 2.2, 1.95, 2.05, 2.2];
+        let found = crossed(CompareOp::Greater, &swings, &[2.0; 8], &[0.1; 8]);
+        assert_eq!(found, [False, False, False, True, True, True, True, True], "from the last crossing");
         assert_eq!(above(0.0), [False, True, True, True, False, False, False], "without noise as ever");
         assert_eq!(above(f64::NAN), above(0.0), "a deviation that is not known counts as none");
         let below = crossed(CompareOp::LessOrEqual, &a, &[2.0; 7], &[0.1; 7]);
@@ -90,7 +100,8 @@ mod tests {
         let stays = found(at(0, 1).chain(at(1, 19)).chain(at(2, 1)).chain(at(1, 19)).collect());
         assert!(stays.iter().all(|t| *t == False), "one row on the old side begins the count again");
         let changes = found(at(0, 1).chain(at(1, 20)).chain(at(2, 1)).collect());
-        assert_eq!(changes[19..], [False, True, True], "the new answer is kept like any other");
+        assert_eq!(changes[..2], [False, True], "from the first row of the twenty");
+        assert!(changes[1..].iter().all(|t| *t == True), "the new answer is kept like any other");
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::numbers::Numbers;
 use super::truth::Truth;
 use crate::deviation::{ROWS_ACROSS, of_sum, stated};
 use crate::language::syntax::CompareOp;
+use std::ops::Range;
 
 /// Standard deviations of a number.
 #[derive(Clone, Debug)]
@@ -90,26 +91,41 @@ pub(super) fn crossed(
         return truth;
     }
     let (mut yes, known) = ((*truth.yes).clone(), truth.known);
+    let set = |yes: &mut Bits, rows: Range<usize>, value: bool| {
+        if value { yes.set_range(rows) } else { yes.clear_range(rows) }
+    };
     for segment in segments {
         let rows = segment.range();
-        // The last row that contradicted the row before it, and how many in succession did.
-        let (mut last, mut across) = (rows.start, 0);
+        // Rows in succession that contradict the answer before them, and have kept it so far.
+        let mut across = rows.start..rows.start;
+        // A row beyond noise after them either proves them right, or they were noise.
+        let prove = |yes: &mut Bits, across: &Range<usize>| {
+            let next = across.end;
+            if !across.is_empty() && next < rows.end && known.get(next) && yes.get(next) != yes.get(next - 1)
+            {
+                let value = yes.get(next);
+                set(yes, across.clone(), value);
+            }
+        };
         for i in near.positions(rows.start + 1..rows.end.max(rows.start + 1)) {
+            if across.end != i {
+                prove(&mut yes, &across);
+                across = i..i;
+            }
             let before = yes.get(i - 1);
             if !known.get(i - 1) || yes.get(i) == before {
-                across = 0;
+                across = i + 1..i + 1;
                 continue;
             }
-            across = if last + 1 == i { across + 1 } else { 1 };
-            last = i;
-            if across == ROWS_ACROSS {
-                across = 0;
-            } else if before {
-                yes.set_range(i..i + 1);
+            across.end = i + 1;
+            if across.len() == ROWS_ACROSS {
+                set(&mut yes, across, !before);
+                across = i + 1..i + 1;
             } else {
-                yes.clear_range(i..i + 1);
+                set(&mut yes, i..i + 1, before);
             }
         }
+        prove(&mut yes, &across);
     }
     Truth { yes: yes.into(), known }
 }
