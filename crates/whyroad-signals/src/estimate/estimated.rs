@@ -213,6 +213,9 @@ fn estimated_from<'d>(
             let own: Vec<f64> = track.frames.iter().map(|&f| seconds[f as usize]).collect();
             complete_motion(&mut exact, &own, &track.length_m, track.class);
             keep_rows(&mut smoothed.motion, &mut states.sd, &exact, &measured.source);
+            if let Some(last) = measured.source.iter().rposition(Option::is_some) {
+                samples::go_on(measured, &track.motion, &mut smoothed.motion, last);
+            }
         } else if noise.is_negligible() && on_wheels(track.class) {
             samples::follow(measured, &track.motion, &mut smoothed.motion);
         }
@@ -279,6 +282,9 @@ fn of_the_ego(ego: &Ego, measured: &Measured, noise: &LogNoise) -> (Ego, Option<
         let known = |(x, source): (&f64, &Option<usize>)| source.filter(|_| x.is_finite());
         let source: Vec<Option<usize>> = measured.x.iter().zip(&measured.source).map(known).collect();
         keep_rows(&mut motion, &mut states.sd, &exact, &source);
+        if let Some(last) = source.iter().rposition(Option::is_some) {
+            samples::go_on(measured, &ego.motion, &mut motion, last);
+        }
     } else if noise.is_negligible() {
         samples::follow(measured, &ego.motion, &mut motion);
     }

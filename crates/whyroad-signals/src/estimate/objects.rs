@@ -197,7 +197,8 @@ pub(super) fn motion_of(states: &States, measured: &Measured, given: &Motion) ->
     out
 }
 
-/// A column of the source on the rows: linear between source rows, constant after the last one.
+/// A column of the source on the rows: linear between source rows, constant after the last one. A source row in which
+/// neither the position nor the column is known, as one that rests on a later measurement, counts as none.
 pub(super) fn spread(given: &[f64], measured: &Measured) -> Vec<f64> {
     let n = measured.frames.len();
     if given.is_empty() {
@@ -206,7 +207,7 @@ pub(super) fn spread(given: &[f64], measured: &Measured) -> Vec<f64> {
     let mut out: Vec<f64> = measured.source.iter().map(|r| r.map_or(f64::NAN, |r| given[r])).collect();
     let mut last: Option<usize> = None;
     for i in 0..n {
-        if measured.source[i].is_none() {
+        if measured.source[i].is_none() || (out[i].is_nan() && measured.x[i].is_nan()) {
             continue;
         }
         if let Some(a) = last.filter(|a| i - a > 1) {

@@ -9,7 +9,8 @@ use crate::geometry::wrap;
 use whyroad_model::scene::Motion;
 
 /// Positions, velocities, headings and yaw rates of `motion`, one row for each of `measured`, from the samples. `given`
-/// is the source's motion: its stated yaw rates are kept. Rows before the first and after the last sample are kept.
+/// is the source's motion: its stated yaw rates are kept. Rows before the first sample are kept; those after the last
+/// one [`go_on`] from it.
 pub(super) fn follow(measured: &Measured, given: &Motion, motion: &mut Motion) {
     let rows: Vec<usize> = (0..measured.x.len())
         .filter(|&i| measured.x[i].is_finite() && measured.heading[i].is_finite())
@@ -52,6 +53,36 @@ pub(super) fn follow(measured: &Measured, given: &Motion, motion: &mut Motion) {
         let (a, b, c) = (three[0], three[1], three[2]);
         if !stated_turn(b) && slope(a, b).is_some() && slope(b, c).is_some() {
             motion.yaw_rate[b] = 0.5 * (turn(a, b) + turn(b, c));
+        }
+    }
+    if let Some(&last) = rows.last() {
+        go_on(measured, given, motion, last);
+    }
+}
+
+/// After the row `last` the motion goes on as at it, at constant speed and yaw rate, if that is for at most
+/// [`MAX_AWAY_S`]. The motion model would not: it may still doubt a sample that no later one has confirmed, and its
+/// heading is that of the path, from which a stated one may differ.
+pub(super) fn go_on(measured: &Measured, given: &Motion, motion: &mut Motion, last: usize) {
+    let (x, y, heading) = (motion.x[last], motion.y[last], motion.heading[last]);
+    let (vx, vy, rate) = (motion.vx[last], motion.vy[last], motion.yaw_rate[last]);
+    let known = [x, y, heading, vx, vy, rate].iter().all(|v| v.is_finite());
+    let is_near = measured.times.last().is_some_and(|end| end - measured.times[last] <= MAX_AWAY_S);
+    if !known || !is_near {
+        return;
+    }
+    for i in last + 1..measured.x.len() {
+        let dt = measured.times[i] - measured.times[last];
+        let turned = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            (vx * cos - vy * sin, vx * sin + vy * cos)
+        };
+        let (to_x, to_y) = turned(0.5 * rate * dt);
+        (motion.x[i], motion.y[i]) = (x + to_x * dt, y + to_y * dt);
+        (motion.vx[i], motion.vy[i]) = turned(rate * dt);
+        motion.heading[i] = wrap(heading + rate * dt);
+        if !measured.source[i].is_some_and(|row| given.yaw_rate[row].is_finite()) {
+            motion.yaw_rate[i] = rate;
         }
     }
 }
@@ -137,6 +168,43 @@ mod tests {
                 }
                 assert!((-1e-9..=3.2 + 1e-9).contains(&motion.y[i]), "it passes neither lane, at {t}");
             }
+        }
+    }
+
+    #[test]
+    fn what_follows_the_last_sample_goes_on_from_it() {
+        // By hand, as between key frames of nuScenes: 6.7 m/s, then 10.7 m/s up to the last sample at 1 s, which is at
+        // 8.7 m. At 10.7 m/s it is at 9.77, 10.84, ... m a tenth of a second later each.
+        let times: Vec<f64> = (0..15).map(|i| i as f64 / 10.0).collect();
+        let n = times.len();
+        let only = |values: [f64; 3]| {
+            let mut out = vec![f64::NAN; n];
+            for (k, value) in values.into_iter().enumerate() {
+                out[5 * k] = value;
+            }
+            out
+        };
+        let measured = Measured {
+            frames: (0..n as u32).collect(),
+            source: (0..n).map(Some).collect(),
+            x: only([0.0, 3.35, 8.7]),
+            y: only([0.0; 3]),
+            heading: only([0.0; 3]),
+            vx: vec![f64::NAN; n],
+            vy: vec![f64::NAN; n],
+            forward: Vec::new(),
+            times,
+        };
+        let mut motion = Motion::unknown(n);
+        follow(&measured, &Motion::unknown(n), &mut motion);
+        for i in 11..n {
+            let expected = 8.7 + 1.07 * (i - 10) as f64;
+            assert!(
+                (motion.x[i] - expected).abs() < 1e-9 && motion.y[i].abs() < 1e-9,
+                "{i}: {}",
+                motion.x[i]
+            );
+            assert!((motion.vx[i] - 10.7).abs() < 1e-9 && motion.yaw_rate[i] == 0.0, "{i}");
         }
     }
 

@@ -156,3 +156,30 @@ fn rows_between_samples_are_no_measurements() {
     let speed = track.motion.speed(140);
     assert!((speed - truth.speed[140]).abs() < 0.3, "{speed} of {}", truth.speed[140]);
 }
+
+/// A camera as the ego's pose, turned by 0.0155 rad against the car (comma2k19), 28 m/s along x, one row each 0.1 s, of
+/// which the last rests on a later measurement. By hand: it goes on from the row before, at 2.8 m per row.
+#[test]
+fn a_row_that_is_not_known_yet_goes_on_from_the_last_one() {
+    let n = 31;
+    let nan_at_end = |f: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        (0..n).map(|i| if i + 1 < n { f(i) } else { f64::NAN }).collect()
+    };
+    let motion = Motion {
+        x: nan_at_end(&|i| 2.8 * i as f64),
+        y: nan_at_end(&|_| 0.0),
+        z: nan_at_end(&|_| 1.5),
+        heading: nan_at_end(&|_| 0.0155),
+        ..Motion::unknown(n)
+    };
+    let drive = Drive {
+        times: (0..n).map(|i| Nanos(i as i64 * 100_000_000)).collect(),
+        ego: Some(Ego { motion, length_m: 4.5, width_m: 1.8, ..Ego::default() }),
+        ..Drive::default()
+    };
+    let ego = crate::estimate::estimate(&drive).ego.as_ref().unwrap().motion.clone();
+    let last = n - 1;
+    assert!((ego.x[last] - 2.8 * last as f64).abs() < 0.01, "{}", ego.x[last]);
+    assert!((ego.heading[last] - 0.0155).abs() < 1e-6 && ego.y[last].abs() < 0.01, "{}", ego.heading[last]);
+    assert_eq!(ego.z[last], 1.5);
+}
