@@ -130,12 +130,24 @@ fn weigh(items: &mut [Item], drives: &Drives, cells: &BTreeMap<Cell<'_>, usize>,
         return;
     }
     let raw = |size: usize| (size as f64).powf(-spec.weight_exponent);
-    let mean = cells.values().map(|&size| size as f64 * raw(size)).sum::<f64>() / n as f64;
-    let limited = |size: usize| (raw(size) / mean).min(spec.max_weight);
-    let scale = cells.values().map(|&size| size as f64 * limited(size)).sum::<f64>() / n as f64;
+    // Smallest cells first: they have the greatest weights, so those that reach the limit come first. What they would
+    // have above it goes to the others, in proportion.
+    let mut sizes: Vec<usize> = cells.values().copied().collect();
+    sizes.sort_unstable();
+    let (mut left, mut sum) = (n as f64, sizes.iter().map(|&size| size as f64 * raw(size)).sum::<f64>());
+    let mut scale = f64::INFINITY;
+    for &size in &sizes {
+        if left / sum * raw(size) <= spec.max_weight {
+            scale = left / sum;
+            break;
+        }
+        left -= size as f64 * spec.max_weight;
+        sum -= size as f64 * raw(size);
+    }
+    let weight = |size: usize| (scale * raw(size)).min(spec.max_weight);
     for item in items.iter_mut().filter(|i| i.kept()) {
         item.weight = match (item.split, cells.get(&cell(item, drives))) {
-            (Some(SplitName::Train), Some(&size)) => limited(size) / scale,
+            (Some(SplitName::Train), Some(&size)) => weight(size),
             _ => 1.0,
         };
     }

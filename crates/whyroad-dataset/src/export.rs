@@ -146,9 +146,13 @@ impl TraceLanguage {
 /// Reason for leaving out a sample for which [`traces`] returns nothing.
 const NO_TRACE: &str = "no trace in this language";
 
+/// A trainer would read it as an image or as the end of a message.
+const TAG_IN_TEXT: &str = "a text contains a tag of trainers, such as <image>";
+
 /// Reasons for leaving out a sample, in Chinese.
 const REASONS: &[(&str, &str)] = &[
     (NO_TRACE, "没有这种语言的因果描述"),
+    (TAG_IN_TEXT, "文字中含有训练框架的标签，如 <image>"),
     (
         "a pose, speed, acceleration or yaw rate of the ego is unknown",
         "自车的位姿、速度、加速度或横摆角速度未知",

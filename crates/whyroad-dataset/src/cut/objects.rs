@@ -33,6 +33,11 @@ pub(super) fn around(window: &Window, cut: &Cut, named: &BTreeSet<String>) -> Ve
     found.into_iter().map(|(_, o)| object(window, cut, o, is_named(o))).collect()
 }
 
+/// A size; a point (a radar target) has a size that is not known.
+fn size(value: f64) -> Option<f32> {
+    known(value).filter(|size| *size > 0.0)
+}
+
 fn object(window: &Window, cut: &Cut, past: &ObjectStates, named: bool) -> Object {
     let t0 = window.time();
     let last = past.frames.len() - 1;
@@ -40,9 +45,9 @@ fn object(window: &Window, cut: &Cut, past: &ObjectStates, named: bool) -> Objec
         id: past.id.0.clone(),
         class: past.class.id().to_owned(),
         named,
-        length_m: known(past.length_m[last]),
-        width_m: known(past.width_m[last]),
-        height_m: known(past.height_m[last]),
+        length_m: size(past.length_m[last]),
+        width_m: size(past.width_m[last]),
+        height_m: size(past.height_m[last]),
         ..Object::default()
     };
     let mut put = |o: &ObjectStates, from_s: f64, to_s: f64| {

@@ -47,6 +47,8 @@ pub(super) struct Writer {
     preflight: BTreeMap<Bilingual, Vec<String>>,
     /// Clips that the loader takes, whose poses are of another point than its own data.
     box_centre: Vec<String>,
+    /// Clips with steps of unknown height, which is written as 0.
+    flat: Vec<String>,
 }
 
 /// The data of a clip for the indexes.
@@ -89,11 +91,15 @@ impl SampleWriter for Writer {
             zip_file(&mut chunk.egomotion, &format!("{id}.egomotion.parquet"), &egomotion, out)?;
             let cameras = cameras(sample, &id, chunk, out)?;
             chunk.count += 1;
-            for reason in faults(sample, &cameras) {
-                self.preflight.entry(reason).or_default().push(id.clone());
-            }
-            if sample.ego.reference != "rear_axle" {
+            let faults = faults(sample, &cameras);
+            if sample.ego.reference != "rear_axle" && faults.is_empty() {
                 self.box_centre.push(id.clone());
+            }
+            if [&sample.history, &sample.future].iter().any(|part| part.z.iter().any(Option::is_none)) {
+                self.flat.push(id.clone());
+            }
+            for reason in faults {
+                self.preflight.entry(reason).or_default().push(id.clone());
             }
             out.write(&format!("meta_actions/{id}.txt"), meta_actions(sample).as_bytes())?;
             self.clips.push(Clip {
@@ -125,13 +131,16 @@ impl SampleWriter for Writer {
         if !self.box_centre.is_empty() {
             out.report.notes.push(of_clips((self.box_centre.len(), self.clips.len()), &box_centre(out)));
         }
+        if !self.flat.is_empty() {
+            out.report.notes.push(of_clips((self.flat.len(), self.clips.len()), &unknown_heights()));
+        }
         let dropped: BTreeMap<&str, &Vec<String>> =
             self.preflight.iter().map(|(reason, clips)| (reason.en.as_str(), clips)).collect();
         out.json(
             "preflight.json",
             &json!({
                 "clips": self.clips.len(), "dropped_by_the_loader": dropped,
-                "poses_of_the_box_centre": self.box_centre,
+                "poses_of_the_box_centre": self.box_centre, "z_unknown_written_as_0": self.flat,
             }),
         )
     }
@@ -262,6 +271,13 @@ fn box_centre(out: &Output) -> Bilingual {
              what the loader's own data has",
         ),
     }
+}
+
+fn unknown_heights() -> Bilingual {
+    Bilingual::new(
+        "高度未知，z 写为 0：该格式没有未知值",
+        "z is 0 where the height is unknown: the format has no unknown values",
+    )
 }
 
 /// A note on some of all clips.

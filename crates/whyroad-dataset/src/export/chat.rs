@@ -2,14 +2,23 @@
 //! only what was known at t0, and the answer: the trace, then the decisions. [`ChatWriter`] reads samples and writes
 //! their images; a [`ChatFormat`] turns each conversation into records.
 
-use super::{NO_TRACE, Output, SampleWriter, images, traces};
+use super::{NO_TRACE, Output, SampleWriter, TAG_IN_TEXT, images, traces};
 use crate::DatasetError;
 use crate::item::SplitName;
-use crate::sample::{Rejected, Sample, Trajectory};
+use crate::sample::{Image, Rejected, Sample, Trajectory};
 use serde_json::{Value, json};
 use whyroad_framework::Framework;
 use whyroad_model::Lang;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
+
+/// False for a text of another tool (`whyroad labels import`), whose decision is unknown: no change of decision is a
+/// decision, too, but it has a cause, and such a text has none.
+fn states_decision(s: &Sample) -> bool {
+    s.longitudinal.is_some() || s.lateral.is_some() || !s.components.is_empty()
+}
+
+/// Beginnings of what trainers read as an image, a video, a sound or a control token, wherever it is in a text.
+const TAGS: [&str; 4] = ["<image>", "<video>", "<audio>", "<|"];
 
 /// One conversation about a sample.
 pub(super) struct Conversation<'s> {
@@ -31,9 +40,12 @@ impl Conversation<'_> {
         tag.repeat(self.images.len()) + &question(self.sample, self.lang)
     }
 
-    /// The trace and the decisions: what the model should answer.
+    /// The trace and, where they are known, the decisions: what the model should answer.
     pub fn answer(&self) -> String {
         let s = self.sample;
+        if !states_decision(s) {
+            return self.trace.to_owned();
+        }
         let decided = [s.longitudinal.as_deref(), s.lateral.as_deref(), s.lateral_direction.as_deref()];
         format!("{}\n{}", self.trace, decisions(decided, self.lang))
     }
@@ -42,7 +54,7 @@ impl Conversation<'_> {
     pub fn rejected_answer(&self, version: &Rejected) -> Option<String> {
         let trace = version.trace.as_deref()?;
         // A version in the other language, or without a text, is not an alternative to this answer.
-        if crate::labels::language(trace) != Some(self.lang) {
+        if crate::labels::language(trace) != Some(self.lang) || TAGS.iter().any(|tag| trace.contains(tag)) {
             return None;
         }
         let label: Value = serde_json::from_str(&version.label_json).ok()?;
@@ -84,6 +96,12 @@ impl<F: ChatFormat> SampleWriter for ChatWriter<F> {
             out.report.leave_out(sample, NO_TRACE);
             return Ok(());
         }
+        let has_tag = |text: &str| TAGS.iter().any(|tag| text.contains(tag));
+        let routes = texts.iter().filter_map(|(lang, _)| super::route_text(sample, *lang));
+        if texts.iter().map(|(_, trace)| *trace).chain(routes).any(has_tag) {
+            out.report.leave_out(sample, TAG_IN_TEXT);
+            return Ok(());
+        }
         let images = images::write(sample, out)?;
         for (lang, trace) in texts {
             let conversation = Conversation { sample, split: split.name(), lang, trace, images: &images };
@@ -102,30 +120,58 @@ fn question(sample: &Sample, lang: Lang) -> String {
     let speeds = speeds(&sample.history, lang);
     let route = super::route_text(sample, lang);
     let mut parts: Vec<String> = Vec::new();
+    parts.extend(of_images(&sample.images, lang));
     match lang {
         Lang::Zh => {
-            if !sample.images.is_empty() {
-                parts.push("图像为自车截至当前时刻的观测，按时间先后排列。".to_owned());
-            }
             parts.extend(speeds.map(|s| format!("自车车速：{s}。")));
             parts.extend(route.map(|r| format!("导航指令：{r}。")));
-            parts.push("请说明影响决策的关键因素，并给出自车的纵向与横向决策。".to_owned());
+            parts.push(if states_decision(sample) {
+                "请说明影响决策的关键因素，并给出自车的纵向与横向决策。".to_owned()
+            } else {
+                "请说明影响决策的关键因素。".to_owned()
+            });
         }
         Lang::En => {
-            if !sample.images.is_empty() {
-                parts.push(
-                    "The images show what the ego vehicle observed up to now, oldest first.".to_owned(),
-                );
-            }
             parts.extend(speeds.map(|s| format!("Ego speed: {s}.")));
             parts.extend(route.map(|r| format!("Route: {r}.")));
-            parts.push(
+            parts.push(if states_decision(sample) {
                 "Explain what matters for the decision, and state the longitudinal and the lateral decision."
-                    .to_owned(),
-            );
+                    .to_owned()
+            } else {
+                "Explain what matters for the decision.".to_owned()
+            });
         }
     }
     parts.join(if lang == Lang::Zh { "" } else { " " })
+}
+
+/// What the images are: their order, and of which camera each is where there are several; nothing without images.
+fn of_images(images: &[Image], lang: Lang) -> Option<String> {
+    let cameras = images.chunk_by(|a, b| a.camera == b.camera).scan(0, |before, run| {
+        let (first, last) = (*before + 1, *before + run.len());
+        *before = last;
+        let numbers = if first == last { first.to_string() } else { format!("{first}-{last}") };
+        Some((numbers, run[0].camera.as_str()))
+    });
+    let cameras: Vec<(String, &str)> = cameras.collect();
+    let listed = |of: &dyn Fn(&(String, &str)) -> String, separator| {
+        cameras.iter().map(of).collect::<Vec<_>>().join(separator)
+    };
+    match (cameras.len(), lang) {
+        (0, _) => None,
+        (1, Lang::Zh) => Some("图像为自车截至当前时刻的观测，按时间先后排列。".to_owned()),
+        (1, Lang::En) => {
+            Some("The images show what the ego vehicle observed up to now, oldest first.".to_owned())
+        }
+        (_, Lang::Zh) => Some(format!(
+            "图像为自车截至当前时刻的观测：{}，同一相机的图像按时间先后排列。",
+            listed(&|(numbers, camera)| format!("第 {numbers} 张来自相机 {camera}"), "，")
+        )),
+        (_, Lang::En) => Some(format!(
+            "The images show what the ego vehicle observed up to now: {}; oldest first per camera.",
+            listed(&|(numbers, camera)| format!("{numbers} from camera {camera}"), ", ")
+        )),
+    }
 }
 
 /// Speeds about every 0.5 s up to t0; nothing where none is known.
@@ -172,5 +218,35 @@ fn decisions([longitudinal, lateral, side]: [Option<&str>; 3], lang: Lang) -> St
     match lang {
         Lang::Zh => format!("纵向决策：{first}；横向决策：{second}。"),
         Lang::En => format!("Longitudinal: {first}. Lateral: {second}."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_image_has_its_camera_where_there_are_several() {
+        let of = |cameras: &[&str], lang| {
+            let image = |camera: &&str| Image { camera: (*camera).to_owned(), ..Image::default() };
+            of_images(&cameras.iter().map(image).collect::<Vec<_>>(), lang)
+        };
+        assert_eq!(of(&[], Lang::En), None);
+        let one = "The images show what the ego vehicle observed up to now, oldest first.";
+        assert_eq!(of(&["bev", "bev"], Lang::En).unwrap(), one);
+        let several = "The images show what the ego vehicle observed up to now: 1-2 from camera left, 3 from camera \
+                       right; oldest first per camera.";
+        assert_eq!(of(&["left", "left", "right"], Lang::En).unwrap(), several);
+        let zh = of(&["left", "left", "right"], Lang::Zh).unwrap();
+        assert!(zh.contains("第 1-2 张来自相机 left，第 3 张来自相机 right"), "{zh}");
+    }
+
+    #[test]
+    fn an_unknown_decision_is_neither_asked_nor_answered() {
+        let mut sample = Sample::default();
+        let question = |sample: &Sample| question(sample, Lang::En);
+        assert!(!question(&sample).contains("decision, and state"));
+        sample.longitudinal = Some("yield_to_agent".into());
+        assert!(question(&sample).contains("state the longitudinal and the lateral decision"));
     }
 }

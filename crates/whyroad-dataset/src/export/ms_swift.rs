@@ -34,6 +34,13 @@ impl ChatFormat for MsSwift {
             .zip(&sample.future.y)
             .map(|(x, y)| [*x, *y].map(|v| v.map(number)))
             .collect();
+        // A reward compares them with an answer in the language of the record.
+        let components: Vec<&str> = sample
+            .components
+            .iter()
+            .map(|component| component.description.as_str())
+            .filter(|text| crate::labels::language(text) == Some(c.lang))
+            .collect();
         let record = json!({
             "messages": [user],
             "solution": c.trace,
@@ -41,7 +48,7 @@ impl ChatFormat for MsSwift {
             "longitudinal": sample.longitudinal,
             "lateral": sample.lateral,
             "lateral_direction": sample.lateral_direction,
-            "components": sample.components.iter().map(|c| &c.description).collect::<Vec<_>>(),
+            "components": components,
             "future_xy": future,
             "future_t": sample.future.t_s.iter().copied().map(number).collect::<Vec<_>>(),
             "sample_id": sample.sample_id,
