@@ -141,6 +141,7 @@ fn main() -> Result<(), Failure> {
         framework,
         licences: &table,
         lake: &fleet,
+        recordings: None,
         media: Media::default(),
         spec_dir: &work,
         out: &out,

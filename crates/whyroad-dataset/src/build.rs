@@ -13,10 +13,12 @@ use crate::licence::LicenceTable;
 use crate::select::{Selected, select};
 use crate::spec::{GroupKey, Spec};
 use crate::split::{self, Facts, Keep, split};
-use crate::{DatasetError, Media, balance};
-use std::collections::BTreeMap;
+use crate::{DatasetError, Media, balance, place};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
 use whyroad_framework::Framework;
+use whyroad_label::check::Recordings;
 use whyroad_lake::Lake;
 use whyroad_model::messages::MiningQueryMessage;
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId};
@@ -37,6 +39,9 @@ pub struct Inputs<'a> {
     pub licences: &'a LicenceTable,
     /// Drives.
     pub lake: &'a Lake,
+    /// The same for the checks of finished labels, as [`verify_with`](crate::verify::verify_with) makes them; without
+    /// it labels are not compared with their drives.
+    pub recordings: Option<Arc<dyn Recordings>>,
     /// Folders with camera images.
     pub media: Media,
     /// Folder that paths in the spec are relative to.
@@ -260,6 +265,40 @@ fn report_kept(state: &mut State<'_>, report: &split::SplitReport) {
     )));
 }
 
+/// Places of which some drives have a latitude and longitude and others only map coordinates: these cannot be compared.
+fn report_frames(state: &mut State<'_>) {
+    let mut frames: BTreeMap<&str, [BTreeSet<u32>; 2]> = BTreeMap::new();
+    for item in state.labels.items.iter().filter(|i| i.kept()) {
+        let place = state.selected.drives.get(&item.drive).and_then(|meta| meta.place.as_deref());
+        let position = item.cut.as_ref().and_then(|cut| cut.position.as_ref());
+        if let (Some(place), Some(position)) = (place, position) {
+            frames.entry(place).or_default()[usize::from(position.frame == place::GEO)].insert(item.drive);
+        }
+    }
+    for (place, [of_map, geo]) in frames {
+        let (with, without) = (geo.len(), of_map.len());
+        if with == 0 || without == 0 {
+            continue;
+        }
+        let message = Bilingual::new(
+            format!(
+                "地点 {place}：{with} 个行程有经纬度，{without} 个只有地图坐标，二者之间的距离未知，同一路段可能进入不同划分"
+            ),
+            format!(
+                "place {place}: {with} drives have a latitude and longitude and {without} only map coordinates; the \
+                 distances between them are unknown, so that one road may be in two splits"
+            ),
+        );
+        state.diagnostics.push(Diagnostic::warning("dataset.split.frames", message).with_hint(
+            Bilingual::new(
+                "用 `whyroad ingest --meta CSV` 为该地点的所有行程补充经纬度，或都不填",
+                "state the latitude and longitude of all drives of the place, or of none, with \
+             `whyroad ingest --meta CSV`",
+            ),
+        ));
+    }
+}
+
 /// Samples that could not be grouped, and empty splits. `assigned` counts the samples before duplicates were dropped.
 fn report_groups(state: &mut State<'_>, report: &split::SplitReport, assigned: &split::SplitReport) {
     for (key, n) in &report.unknown {
@@ -279,6 +318,9 @@ fn report_groups(state: &mut State<'_>, report: &split::SplitReport, assigned: &
     }
     let spec = &state.inputs.spec.split;
     let by_place = spec.by.contains(&GroupKey::Place);
+    if by_place {
+        report_frames(state);
+    }
     for polygon in &spec.polygons {
         if by_place && state.cells.all().contains(&polygon.name) {
             continue;

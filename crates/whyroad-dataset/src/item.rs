@@ -4,6 +4,7 @@
 use crate::records::RecordRef;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
+use whyroad_model::messages::DrivingDecision;
 use whyroad_model::{Bilingual, Lang};
 
 /// Maximum bytes that a build keeps in memory per candidate sample (`docs/reference/release.md` states it; a test
@@ -99,6 +100,7 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("history", "关键帧之前的轨迹不完整", "trajectory before the keyframe incomplete"),
     ("future", "关键帧之后的轨迹不完整", "trajectory after the keyframe incomplete"),
     ("label_unreadable", "标签无法读取", "label unreadable"),
+    ("contradicts_recording", "标签与行程记录矛盾", "label contradicts the recording"),
     ("draft_doubt", "草稿存疑", "doubtful draft"),
     ("camera_missing", "缺少相机", "camera missing"),
     ("image_missing", "缺少图片", "image missing"),
@@ -155,6 +157,8 @@ pub(crate) struct Item {
     pub score: f32,
     /// Language of its trace; `None` where it has none.
     pub lang: Option<Lang>,
+    /// Its decision; `None` for an episode.
+    pub decision: Option<DrivingDecision>,
     pub dropped: Option<Dropped>,
     pub cut: Option<Box<Cut>>,
     pub split: Option<SplitName>,

@@ -15,7 +15,7 @@ use std::path::Path;
 use whyroad_framework::Framework;
 use whyroad_label::check::Checker;
 use whyroad_label::episode_of;
-use whyroad_model::messages::{CocLabel, EpisodeRecord, ProvenanceSource};
+use whyroad_model::messages::{CocLabel, DrivingDecision, EpisodeRecord, ProvenanceSource};
 use whyroad_model::{Bilingual, Diagnostic, Lang, ScenarioId, Severity};
 
 /// A stream of labels.
@@ -30,6 +30,9 @@ pub struct LabelStream {
 pub const IMPORTED: &str = "imported";
 /// States of the labeling service in which a label is finished.
 pub const FINISHED: &[&str] = &["accepted", "checked", "submitted", "rework"];
+/// States of the labeling service in which people refused the clip: neither its label nor a draft of its episode is
+/// used.
+const REFUSED: &[&str] = &["rejected", "skipped"];
 /// State of labels that no person has finished.
 pub const DRAFT: &str = "draft";
 
@@ -117,6 +120,7 @@ struct Read {
     status: String,
     checked: bool,
     lang: Option<Lang>,
+    decision: Option<DrivingDecision>,
     drive: Option<String>,
 }
 
@@ -228,6 +232,7 @@ impl Labels {
             checked: read.checked,
             score: read.record.score.map_or(f32::NAN, |s| s as f32),
             lang: read.lang,
+            decision: read.decision,
             dropped: None,
             cut: None,
             split: None,
@@ -268,9 +273,25 @@ impl Labels {
             self.dropped.push(repeated("the episode of a label"));
             return;
         }
+        let [of_held, of_item] = [held.status, item.status].map(|status| self.statuses.get(status));
+        let (was_refused, is_refused) = (REFUSED.contains(&of_held), REFUSED.contains(&of_item));
+        if was_refused != is_refused {
+            // A finished label of a clip that somebody else refused is used, a draft is not.
+            let is_draft = if was_refused { of_item } else { of_held } == DRAFT;
+            self.dropped.push(repeated("a task of the same keyframe and class was rejected or skipped"));
+            if is_refused == is_draft {
+                replace(held, item);
+            }
+            return;
+        }
         let languages = held.lang.zip(item.lang);
         if languages.is_some_and(|(a, b)| a != b) && held.status == item.status && held.other.is_none() {
-            held.other = Some(item.label);
+            if held.decision == item.decision {
+                held.other = Some(item.label);
+            } else {
+                self.dropped
+                    .push(repeated("the label in the other language, read before, has another decision"));
+            }
         } else if item.checked && !held.checked {
             self.dropped.push(repeated("an earlier label of the same keyframe and class is not checked"));
             replace(held, item);
@@ -365,6 +386,7 @@ fn of_episode(value: Value) -> Result<Read, Fault> {
         status: DRAFT.to_owned(),
         checked: false,
         lang: None,
+        decision: None,
         drive: Some(episode.drive_id.0.clone()),
         record: LabelRecord {
             json,
@@ -415,6 +437,19 @@ fn of_task(task: &Value, checker: &Checker<'_>) -> Result<Read, Fault> {
         });
     }
     let state = text(&task["state"]).unwrap_or_default();
+    if let Some(episode) = episode.as_ref().filter(|_| REFUSED.contains(&state.as_str())) {
+        return Ok(Read {
+            clip_id: episode.clip_id.to_string(),
+            scenario: episode.scenario_id.clone(),
+            keyframe_ns: episode.keyframe.timestamp.0,
+            status: state,
+            checked: false,
+            lang: None,
+            decision: None,
+            drive: Some(episode.drive_id.0.clone()),
+            record,
+        });
+    }
     let mut read = of_label(&task["draft"], record, Some(state), checker)?;
     read.drive = episode.map(|e| e.drive_id.0);
     Ok(read)
@@ -506,6 +541,7 @@ fn of_label(
         checked: status == "accepted",
         status,
         lang: language(&label.coc_trace),
+        decision: Some(label.driving_decision),
         drive: None,
         record: LabelRecord { json, ..record },
     })

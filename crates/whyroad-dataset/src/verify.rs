@@ -275,7 +275,7 @@ fn again() -> Bilingual {
 
 /// The errors of a label that was valid once; `None` when it still is. A draft was never complete: only its class must
 /// exist.
-fn stale(sample: &Sample, checker: &Checker<'_>) -> Option<String> {
+pub(crate) fn stale(sample: &Sample, checker: &Checker<'_>) -> Option<String> {
     if checker.is_clean_label(&sample.label_json) {
         return None;
     }

@@ -5,16 +5,22 @@ use super::{State, Step};
 use crate::DatasetError;
 use crate::cut::{Candidate, Cutter};
 use crate::item::{Cut, Dropped, Item, Stage, id_text};
-use crate::labels::LabelRecord;
+use crate::labels::{DRAFT, LabelRecord};
 use crate::records::{RecordWriter, read_record, read_value, write_value};
 use crate::spec::Images;
+use crate::verify::stale;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use whyroad_engine::mine::signals_of;
+use whyroad_label::check::Checker;
 use whyroad_model::{Bilingual, Diagnostic, DriveId, Nanos};
 
 type Outcome = Result<Cut, Dropped>;
+
+/// Reason: a finished label has errors when it is compared with its drive.
+const CONTRADICTS: &str = "contradicts_recording";
 
 /// Cuts every kept item. Returns the number of drives that had been cut already.
 pub(super) fn cut(
@@ -28,6 +34,11 @@ pub(super) fn cut(
     let jobs: Vec<(u32, Vec<usize>)> = by_drive.into_iter().collect();
     let (done, resumed, stopped) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicBool::new(false));
     let shared = &*state;
+    let checker = state
+        .inputs
+        .recordings
+        .as_ref()
+        .map(|recordings| Checker::new(state.inputs.framework).with_recordings(Arc::clone(recordings)));
     // One drive after the other on each core: their sizes differ, and each is work enough.
     let results: Vec<Result<Option<Vec<Outcome>>, DatasetError>> = jobs
         .par_iter()
@@ -43,7 +54,7 @@ pub(super) fn cut(
                     outcomes
                 }
                 _ => {
-                    let outcomes = cut_drive(shared, *drive, items)?;
+                    let outcomes = cut_drive(shared, checker.as_ref(), *drive, items)?;
                     write_value(&facts, &outcomes)?;
                     outcomes
                 }
@@ -85,7 +96,12 @@ pub(super) fn cut(
 }
 
 /// The samples of one drive, appended to its file as they are made.
-fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outcome>, DatasetError> {
+fn cut_drive(
+    state: &State<'_>,
+    checker: Option<&Checker<'_>>,
+    drive: u32,
+    items: &[usize],
+) -> Result<Vec<Outcome>, DatasetError> {
     let inputs = state.inputs;
     let id = DriveId::from(state.labels.drives.get(drive));
     let content = match inputs.lake.read_drive(&id) {
@@ -113,7 +129,14 @@ fn cut_drive(state: &State<'_>, drive: u32, items: &[usize]) -> Result<Vec<Outco
     let mut out = RecordWriter::create(&state.work.samples(drive as usize))?;
     let mut outcomes = Vec::with_capacity(candidates.len());
     for candidate in &candidates {
-        outcomes.push(match cutter.cut(candidate) {
+        let cut = cutter.cut(candidate).and_then(|(sample, cut)| {
+            let is_finished = sample.lineage.label_status != DRAFT;
+            match checker.filter(|_| is_finished).and_then(|checker| stale(&sample, checker)) {
+                Some(codes) => Err(Dropped::with(Stage::Sample, CONTRADICTS, codes)),
+                None => Ok((sample, cut)),
+            }
+        });
+        outcomes.push(match cut {
             Ok((sample, mut cut)) => {
                 cut.at = out.append(&sample)?;
                 Ok(cut)
@@ -145,6 +168,23 @@ fn candidate<'a>(state: &'a State<'_>, item: &Item) -> Result<Candidate<'a>, Dat
 /// One line for each of incomplete windows, missing images and images that were not blurred, however many samples
 /// there are.
 fn summary(state: &mut State<'_>) {
+    let contradicting = state.labels.items.iter().filter_map(|item| item.dropped.as_ref());
+    let contradicting: Vec<&Dropped> = contradicting.filter(|d| d.reason == CONTRADICTS).collect();
+    if let Some(first) = contradicting.first() {
+        let (n, codes) = (contradicting.len(), first.detail.as_deref().unwrap_or_default());
+        let message = Bilingual::new(
+            format!("{n} 个标签与其行程的记录矛盾，未收入；例如 {codes}"),
+            format!(
+                "{n} labels contradict the recording of their drive and are left out; the first: {codes}"
+            ),
+        );
+        let hint = Bilingual::new(
+            "stages/2-sample.parquet 列出这些标签；`whyroad validate --lake LAKE` 给出每个错误的位置",
+            "stages/2-sample.parquet lists them; `whyroad validate --lake LAKE` shows where each error is",
+        );
+        let found = Diagnostic::warning("dataset.labels.invalid", message).with_hint(hint);
+        state.diagnostics.push(found);
+    }
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let mut not_blurred = String::new();
     for item in &state.labels.items {

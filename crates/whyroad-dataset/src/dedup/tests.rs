@@ -20,6 +20,7 @@ fn item(n: u8, class: u32, split: SplitName, first: f32, content: u8) -> Item {
         checked: false,
         score: f32::NAN,
         lang: None,
+        decision: None,
         dropped: None,
         cut: Some(Box::new(Cut {
             at: RecordRef::default(),

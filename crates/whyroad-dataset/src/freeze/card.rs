@@ -69,7 +69,7 @@ pub(crate) fn card(m: &Manifest) -> String {
     let _ = writeln!(t, "---\n\n# {title}\n");
     let _ = writeln!(
         t,
-        "Chain-of-Causation driving data, version {}, made by {}. Each sample is a keyframe of a drive: history,\nobjects, map and images that a model may see, and the decision, its causes, the trace and the future that it should\nlearn.\n",
+        "Chain-of-Causation driving data, version {}, made by {}. Each sample is a keyframe of a drive: history,\nobjects up to t0, map and images that a model may see, and the decision, its causes, the trace and the future (of the\nego, and of the objects: their rows with `t_s` > 0) that it should learn.\n",
         m.version, m.created_by
     );
     let _ = writeln!(

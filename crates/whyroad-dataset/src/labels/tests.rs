@@ -19,8 +19,11 @@ fn line(trace: &str) -> String {
 
 /// The language of the label that is kept, whether it has the other language beside it, and why the rest was dropped.
 fn read_lines(traces: &[&str]) -> (Option<Lang>, bool, Vec<String>) {
+    read_text(traces.iter().map(|t| line(t)).collect())
+}
+
+fn read_text(text: String) -> (Option<Lang>, bool, Vec<String>) {
     let dir = tempfile::tempdir().unwrap();
-    let text: String = traces.iter().map(|t| line(t)).collect();
     let stream = LabelStream { name: "labels".into(), lines: Box::new(std::io::Cursor::new(text)) };
     let read = read(vec![stream], Framework::bundled(), &dir.path().join("labels.records")).unwrap();
     assert_eq!(read.items.len(), 1, "{:?}", read.diagnostics);
@@ -42,6 +45,14 @@ fn a_label_without_a_text_is_not_the_other_language() {
     assert_eq!(read_lines(&["", ZH]), (Some(Lang::Zh), false, empty()));
     assert_eq!(read_lines(&["", EN, ZH]), (Some(Lang::En), true, empty()));
     assert_eq!(read_lines(&["", ""]), (None, false, before()));
+}
+
+/// A sample has one decision: the text of a label that decides otherwise would explain another one.
+#[test]
+fn languages_with_other_decisions_are_not_one_label() {
+    let yields = line(EN).replace(r#""longitudinal":null"#, r#""longitudinal":"yield_to_agent""#);
+    let detail = "the label in the other language, read before, has another decision".to_owned();
+    assert_eq!(read_text(line(ZH) + &yields), (Some(Lang::Zh), false, vec![detail]));
 }
 
 /// `whyroad draft` writes labels, which have no place for the score and id of their episode (DATA_FORMAT.md 5). With
@@ -110,4 +121,36 @@ fn of_several_labels_of_an_episode_only_the_chosen_one_is_read() {
     };
     assert_eq!((read(1, None), read(2, Some("chosen"))), ("read", "read"));
     assert_eq!((read(2, None), read(2, Some("superseded"))), ("not_chosen", "overruled"));
+}
+
+/// LABELING.md, Stage II: what is not legal and safe is no sample; a draft of it is none either.
+#[test]
+fn what_people_refused_is_not_replaced_by_a_draft() {
+    let episode = json!({
+        "episode_id": "e", "drive_id": "d", "clip_id": "d_000", "scenario_id": "reactive_agent.cutin.urgent",
+        "time_range": { "start_timestamp": "2026-01-01T00:00:01.000Z", "end_timestamp": "2026-01-01T00:00:05.000Z",
+            "start_frame_idx": 0, "end_frame_idx": 40 },
+        "keyframe": { "timestamp": "2026-01-01T00:00:02.000Z", "frame_idx": 10, "type": "reactive" },
+        "score": 0.8, "is_primary": true, "keyframe_rule": { "zh": "", "en": "" }, "conditions_matched": [],
+        "signals": [],
+    });
+    // The annotator left a text in it that nobody finished.
+    let refused = |state: &str| {
+        let mut task: Value = serde_json::from_str(&line(EN)).unwrap();
+        (task["task"]["state"], task["task"]["episode"]) = (json!(state), episode.clone());
+        task.to_string() + "\n"
+    };
+    let of_lines = |text: String| {
+        let dir = tempfile::tempdir().unwrap();
+        let stream = LabelStream { name: "labels".into(), lines: Box::new(std::io::Cursor::new(text)) };
+        let read = read(vec![stream], Framework::bundled(), &dir.path().join("labels.records")).unwrap();
+        let status = |item: &Item| read.statuses.get(item.status).to_owned();
+        read.items.iter().map(status).collect::<Vec<_>>()
+    };
+    for state in ["rejected", "skipped"] {
+        let mined = episode.to_string() + "\n";
+        assert_eq!(of_lines(refused(state) + &mined + &line(ZH)), [state]);
+        assert_eq!(of_lines(line(ZH) + &mined + &refused(state)), [state]);
+        assert_eq!(of_lines(mined + &refused(state)), [state]);
+    }
 }

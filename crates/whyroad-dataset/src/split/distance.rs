@@ -4,6 +4,7 @@ use crate::item::{Item, Position, SplitName};
 use crate::place::Grid;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Distances that are reported, m.
 const REPORTED_M: [f64; 4] = [1.0, 5.0, 20.0, 100.0];
@@ -17,11 +18,11 @@ pub struct Distance {
     pub to: SplitName,
     /// m.
     pub within_m: f64,
-    /// Samples with a position.
+    /// Samples with a position that can be compared with one of the other split.
     pub samples: usize,
     /// Samples closer than that to a sample of the other split.
     pub near: usize,
-    /// Their share; `None` when no sample has a position.
+    /// Their share; `None` when no position can be compared.
     pub share: Option<f64>,
 }
 
@@ -59,7 +60,27 @@ pub(crate) fn between(
         });
         found
     };
+    let frames: BTreeSet<&str> = others.iter().map(|p| p.frame.as_str()).collect();
     let near = points.par_iter().filter(|p| is_near(p)).count();
-    let samples = points.len();
+    let samples = points.iter().filter(|p| frames.contains(p.frame.as_str())).count();
     Distance { of, to, within_m, samples, near, share: (samples > 0).then(|| near as f64 / samples as f64) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_that_cannot_be_compared_are_not_far_apart() {
+        let at = |frame: &str, x: f64| Position { frame: frame.into(), p: [x, 0.0, 0.0], plane: [x, 0.0] };
+        let (train, val) = ([at("map:a", 0.0)], [at("geo", 0.0), at("geo", 9.0)]);
+        let of = |points: &[Position], others: &[Position]| {
+            let (points, others): (Vec<_>, Vec<_>) = (points.iter().collect(), others.iter().collect());
+            let found = between((SplitName::Val, &points), (SplitName::Train, &others), 5.0);
+            (found.samples, found.near, found.share)
+        };
+        assert_eq!(of(&val, &train), (0, 0, None));
+        assert_eq!(of(&val, &[]), (0, 0, None), "an empty split is near to nothing");
+        assert_eq!(of(&val, &[at("geo", 1.0), train[0].clone()]), (2, 1, Some(0.5)));
+    }
 }

@@ -3,10 +3,13 @@
 use crate::fleet::{Fleet, Plan, content, label, plan};
 use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
+use std::sync::Arc;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
-use whyroad_dataset::verify::verify;
+use whyroad_dataset::verify::{verify, verify_with};
 use whyroad_dataset::{DatasetError, Release, Sample, SplitName};
+use whyroad_engine::label_drives::LabelDrives;
 use whyroad_framework::Framework;
+use whyroad_label::check::Recordings;
 use whyroad_model::ScenarioId;
 
 fn samples(release: &Release) -> Vec<Sample> {
@@ -249,6 +252,26 @@ fn labels_without_a_score_do_not_pass_a_minimum_unnoticed() {
     assert!(!built.diagnostics.iter().any(|d| d.code == "dataset.score.unknown"));
 }
 
+/// What `whyroad dataset verify --lake` objects to in a fresh release is left out of it and counted: the ego of these
+/// drives keeps its speed, and the labels say that it yields.
+#[test]
+fn labels_that_contradict_their_drives_are_left_out() {
+    let mut fleet = Fleet::town();
+    let drives: Arc<dyn Recordings> = Arc::new(LabelDrives::new(fleet.lake.clone(), &fleet.framework));
+    fleet.spec_text = "deduplicate: {near: null}\n".into();
+    let unchecked = fleet.build(&fleet.out("unchecked")).unwrap().manifest.counts.samples;
+    let table = LicenceTable::read(BUNDLED, "licences.yaml").unwrap();
+    let release = fleet.out("unchecked");
+    let found = verify_with(&release, &fleet.framework, &table, Some(Arc::clone(&drives))).unwrap();
+    let stale = found.diagnostics.iter().filter(|d| d.code == "dataset.label.stale");
+    assert!(stale.count() > 0);
+    fleet.recordings = Some(drives);
+    let found = fleet.build(&fleet.out("checked")).unwrap_err().diagnostics();
+    let said = |text: &str| found.iter().any(|d| d.message.en.contains(text));
+    assert!(said(&format!("{unchecked} labels contradict the recording")), "{found:?}");
+    assert!(said(&format!("contradicts_recording {unchecked}")), "{found:?}");
+}
+
 #[test]
 fn caps_thin_the_training_split_but_not_below_a_floor() {
     let mut fleet = Fleet::town();
@@ -277,15 +300,20 @@ fn cells_are_of_the_place_and_not_of_the_grid_of_the_split() {
     // 8 urgent, 4 slow.
     let kept = lines.iter().enumerate().filter(|(i, _)| i % 2 == 0 || *i < 8).map(|(_, l)| format!("{l}\n"));
     fleet.labels = kept.collect();
-    fleet.spec_text = "split: {train: 1, val: 0, test: 0}\ndeduplicate: {near: null}\n\
-        balance: {weight_exponent: 1, max_weight: 10}\n"
-        .into();
-    let built = fleet.build(&fleet.out("r")).unwrap();
-    assert_eq!(built.manifest.balance.cells, 2);
-    for s in samples(&Release::open(fleet.out("r")).unwrap()) {
-        // By hand: every cell weighs the same, 6 of 12 in sum.
-        let expected = if s.l3.as_deref() == Some("urgent") { 0.75 } else { 1.5 };
-        assert!((s.weight - expected).abs() < 1e-9, "{:?} {}", s.l3, s.weight);
+    // By hand: every cell weighs the same, 6 of 12 in sum. With a limit of 1.2 the smaller has 4.8 of 12, and the other
+    // the rest; with one of 1 all weigh the same.
+    for (limit, urgent, slow) in [(10.0, 0.75, 1.5), (1.2, 0.9, 1.2), (1.0, 1.0, 1.0)] {
+        fleet.spec_text = format!(
+            "split: {{train: 1, val: 0, test: 0}}\ndeduplicate: {{near: null}}\n\
+             balance: {{weight_exponent: 1, max_weight: {limit}}}\n"
+        );
+        let out = fleet.out(&format!("limit-{limit}"));
+        let built = fleet.build(&out).unwrap();
+        assert_eq!(built.manifest.balance.cells, 2);
+        for s in samples(&Release::open(out).unwrap()) {
+            let expected = if s.l3.as_deref() == Some("urgent") { urgent } else { slow };
+            assert!((s.weight - expected).abs() < 1e-9, "{limit}: {:?} {}", s.l3, s.weight);
+        }
     }
     fleet.spec_text =
         "split: {train: 1, val: 0, test: 0}\ndeduplicate: {near: null}\nbalance: {cap_cell: 3}\n".into();

@@ -3,9 +3,11 @@
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use whyroad_dataset::licence::{BUNDLED, LicenceTable};
 use whyroad_dataset::{Built, DatasetError, Inputs, LabelStream, Media, Spec, Step, build, spec};
 use whyroad_framework::Framework;
+use whyroad_label::check::Recordings;
 use whyroad_lake::Lake;
 use whyroad_model::road_map::{Lane, Point3, RoadMap};
 use whyroad_model::scene::{DriveMeta, Ego, Motion, Track};
@@ -131,6 +133,8 @@ pub fn label(plan: &Plan, seconds: f64, l3: &str) -> serde_json::Value {
 pub struct Fleet {
     pub dir: tempfile::TempDir,
     pub lake: Lake,
+    /// With it, labels are compared with their drives.
+    pub recordings: Option<Arc<dyn Recordings>>,
     pub labels: String,
     /// Bytes after the labels.
     pub more_lines: Vec<u8>,
@@ -160,6 +164,7 @@ impl Fleet {
             source: "labels.jsonl".into(),
             framework: Framework::bundled().clone(),
             spec_text: "name: test\n".into(),
+            recordings: None,
         }
     }
 
@@ -202,6 +207,7 @@ impl Fleet {
             framework,
             licences: &table,
             lake: &self.lake,
+            recordings: self.recordings.clone(),
             media: Media::default(),
             spec_dir: self.dir.path(),
             out,

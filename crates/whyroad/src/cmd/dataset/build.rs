@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex};
 use whyroad_dataset::{
     Built, DatasetError, Inputs, LabelStream, Media, Stage, Step, build, reason_in_words, spec,
 };
+use whyroad_engine::label_drives::LabelDrives;
 use whyroad_lake::Lake;
 use whyroad_model::Lang;
 use whyroad_server::blur::Blur;
@@ -117,6 +118,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
         framework: &framework,
         licences: &licences,
         lake: &lake,
+        recordings: Some(Arc::new(LabelDrives::new(lake.clone(), &framework))),
         media,
         spec_dir: a.spec.parent().unwrap_or(Path::new("")),
         out: &a.out,

@@ -72,6 +72,7 @@ fn frozen(
         framework,
         licences: &licences,
         lake,
+        recordings: None,
         media: Media::new(lake.dir(), &[]),
         spec_dir: out,
         out: &folder,
