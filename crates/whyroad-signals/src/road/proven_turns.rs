@@ -28,15 +28,15 @@ const TIGHT_RAD: f64 = PI / 6.0;
 const STEERING_M: f64 = 8.0;
 /// Before and behind that the way is straight for this distance, m.
 const STRAIGHT_M: f64 = 5.0;
-/// Straight: headings differ by at most this, 20 deg; the last part of steering is in it.
-const STRAIGHT_RAD: f64 = PI / 9.0;
-/// No bend to the other side within this distance, m: roundabouts of towns have a radius of 8 to 20 m.
-const AROUND_M: f64 = 20.0;
+/// Straight: headings differ by at most this, 10 deg; the last of steering is in it, and no bend of 25 m radius.
+const STRAIGHT_RAD: f64 = PI / 18.0;
+/// No bend to the other side within this distance, m: the ring of a roundabout of up to 50 m radius bends by 15 deg on
+/// what is left of it.
+const AROUND_M: f64 = 30.0;
 /// Such a bend, 15 deg: more than a change of lane, or swinging out before the corner.
 const OTHER_SIDE_RAD: f64 = PI / 12.0;
-/// Within [`STREET_M`] the ego is as fast as this once, m/s: 18 km/h; in car parks it is not.
+/// As near the ego is as fast as this once, m/s: 18 km/h; in car parks it is not.
 const STREET_MPS: f64 = 5.0;
-const STREET_M: f64 = 30.0;
 
 /// One turn.
 struct ProvenTurn {
@@ -76,9 +76,9 @@ fn proven(places: &[Place], (from, to): (usize, usize), ego: &EgoMotion) -> Opti
     let other_side = |from: &Place, to: &Place| (from.heading - to.heading) * side > OTHER_SIDE_RAD;
     let swings = before.iter().any(|p| other_side(p, &places[from]))
         || behind.iter().any(|p| other_side(&places[to], p));
-    let around = within(begins - STREET_M, ends + STREET_M);
+    let around = within(begins - AROUND_M, ends + AROUND_M);
     // Until it is beyond: who reverses gets to no further place.
-    let beyond = places.iter().find(|p| p.s > ends + STREET_M).map_or(ego.len(), |p| p.frame);
+    let beyond = places.iter().find(|p| p.s > ends + AROUND_M).map_or(ego.len(), |p| p.frame);
     let frames = around.first()?.frame..beyond;
     let reverses = ego.forward_speed[frames.clone()].iter().any(|v| *v < -STANDSTILL_SET_MPS);
     let on_a_street = ego.speed[frames].iter().any(|v| *v >= STREET_MPS);

@@ -126,7 +126,8 @@ pub fn table() -> impl Strategy<Value = SignalTable> {
             let frame_columns = columns("ego", &of_frames, times.len(), lacks.0);
             // Of some drives a signal is known only where other data proves it.
             let first = frame_columns.keys().next().filter(|_| skip % 3 == 0);
-            let partial = first.map(|name| (name.clone(), vec![Need::Map])).into_iter().collect();
+            let partial =
+                first.map(|name| (name.clone(), vec![whyroad_model::Need::Map])).into_iter().collect();
             SignalTable {
                 drive_id: "random".into(),
                 partial,
