@@ -1,5 +1,5 @@
-//! Turns at junctions that the ego's way proves without a map. Ways of straights and arcs, driven at 10 m/s: the turn is
-//! the arc, and what it is called follows from its angle by hand.
+//! Turns at junctions that the ego's way proves without a map. Ways of straights and arcs, driven at 10 m/s: the turn
+//! is the arc, and what it is called follows from its angle by hand.
 use crate::scene::{Table, drive, lane, map};
 use crate::terrain::winding;
 use std::f64::consts::PI;

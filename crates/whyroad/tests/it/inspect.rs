@@ -147,7 +147,8 @@ fn turn_without_a_map(dir: &Path) {
         let (x, y) = (s.min(corner) + 12.0 * turned.sin(), -12.0 * (1.0 - turned.cos()) - on);
         writeln!(ego, "{:.3},{x:.6},{y:.6},{:.6}", s / 10.0, -turned).unwrap();
     }
-    let meta = r#"{"source": "test", "ego": {"length_m": 4.8, "width_m": 1.9, "height_m": 1.5, "reference_to_centre_m": 0}}"#;
+    let meta = r#"{"source": "test",
+        "ego": {"length_m": 4.8, "width_m": 1.9, "height_m": 1.5, "reference_to_centre_m": 0}}"#;
     fs::write(dir.join("drive.json"), meta).unwrap();
     fs::write(dir.join("ego.csv"), ego).unwrap();
     fs::write(dir.join("objects.csv"), "time_s,track_id,class,x_m,y_m,heading_rad\n").unwrap();
@@ -177,7 +178,7 @@ fn a_turn_without_a_map_is_found_and_nothing_else_counts_as_searched() {
     assert!(lacking.contains(&"ego.in_junction".into()), "{right}");
 
     let text = out(&whyroad(&["inspect", "--lake", lake]));
-    let line = "known only where other data proves it (needs map): ego.in_junction, ego.movement, ego.turn_angle, map.d";
+    let line = "known only where other data proves it (needs map): ego.in_junction, ego.movement, ego.turn_angle,";
     assert!(text.contains(line), "{text}");
     let missing = out(&whyroad(&["mine", "--lake", lake, "--out", mined, "--missing", "--format", "json"]));
     assert!(missing.contains("proactive.turn.right_normal"), "{missing}");
