@@ -47,6 +47,8 @@ pub struct DriveSummary {
     /// Signals that it does not support, with the needs that the log lacks; empty where the log has a part of each, but
     /// too little for this signal.
     pub unavailable: BTreeMap<String, Vec<Need>>,
+    /// Signals among `signals` that are known only where other data proves them, with the needs that the log lacks.
+    pub partial: BTreeMap<String, Vec<Need>>,
 }
 
 /// The ego's size and speeds.
@@ -147,16 +149,18 @@ impl DriveSummary {
             let targets = file.contents().drives.first()?.targets.len();
             Some((stored_shares(&file)?, stored_speeds(&file)?, targets))
         });
-        let ((signals, unavailable), speeds, joined_objects) = match stored {
+        let (Shares { signals, unavailable, partial }, speeds, joined_objects) = match stored {
             Some(of_whole_drive) => of_whole_drive,
             None => {
                 let table = crate::drives::signals_of(lake, id)?;
                 let speeds = speeds(&estimate(&drive), frames);
                 let seen = table.targets.iter().filter(|t| !t.frames.intersect(frames).is_empty()).count();
-                ((shares(&table, frames), table.unavailable), speeds, seen)
+                let signals = shares(&table, frames);
+                let SignalTable { unavailable, partial, .. } = table;
+                (Shares { signals, unavailable, partial }, speeds, seen)
             }
         };
-        let unavailable = lacking(unavailable, &signals);
+        let (unavailable, partial) = lacking(unavailable, partial, &signals);
         let meta = &drive.meta;
         Ok(Self {
             drive_id: meta.drive_id.0.clone(),
@@ -174,6 +178,7 @@ impl DriveSummary {
             missing: meta.missing.clone(),
             signals,
             unavailable,
+            partial,
         })
     }
 }
@@ -215,23 +220,34 @@ impl LakeSummary {
     }
 }
 
-/// The needs that the log lacks: those that no signal with a value proves to be present.
+/// Signals with the needs that the log lacks.
+type Lacking = BTreeMap<String, Vec<Need>>;
+
+/// The needs that the log lacks: those that no signal with a value proves to be present. A partial one proves none.
 fn lacking(
-    mut unavailable: BTreeMap<String, Vec<Need>>,
+    mut unavailable: Lacking,
+    mut partial: Lacking,
     signals: &BTreeMap<String, SignalShare>,
-) -> BTreeMap<String, Vec<Need>> {
-    let valued = |name: &str| signals.get(name).is_some_and(|share| share.known > 0);
+) -> (Lacking, Lacking) {
+    let known = |name: &str| signals.get(name).is_some_and(|share| share.known > 0);
+    let valued = |name: &str| known(name) && !partial.contains_key(name);
     let there: BTreeSet<Need> = Catalog::bundled()
         .iter()
         .filter(|def| valued(&def.name))
         .flat_map(|def| def.needs.iter().copied())
         .collect();
-    unavailable.values_mut().for_each(|needs| needs.retain(|n| !there.contains(n)));
-    unavailable
+    for needs in unavailable.values_mut().chain(partial.values_mut()) {
+        needs.retain(|n| !there.contains(n));
+    }
+    (unavailable, partial)
 }
 
-/// Coverage of each signal, and the signals that the log cannot support.
-type Shares = (BTreeMap<String, SignalShare>, BTreeMap<String, Vec<Need>>);
+/// Coverage of each signal, and the signals that the log cannot support, or only in part.
+struct Shares {
+    signals: BTreeMap<String, SignalShare>,
+    unavailable: Lacking,
+    partial: Lacking,
+}
 
 /// By the statistics of the stored columns; `None` where a file states none.
 fn stored_shares(file: &SignalFile) -> Option<Shares> {
@@ -239,17 +255,21 @@ fn stored_shares(file: &SignalFile) -> Option<Shares> {
         let range = file.range(0, name)?;
         Some((name.to_owned(), SignalShare { known: range.known, rows: range.rows }))
     };
-    let shares =
+    let signals =
         file.signals(0).into_iter().filter(|name| !is_deviation(name)).map(share).collect::<Option<_>>()?;
-    Some((shares, file.contents().drives.first()?.unavailable.clone()))
+    let of = file.contents().drives.first()?;
+    Some(Shares { signals, unavailable: of.unavailable.clone(), partial: of.partial.clone() })
 }
 
-/// The signals that a drive does not support, each with the data that its log lacks (see
-/// [`DriveSummary::unavailable`]); `None` where the lake stores no signals of the drive.
+/// The signals that a drive does not support, or only in part, each with the data that its log lacks (see
+/// [`DriveSummary::unavailable`] and [`DriveSummary::partial`]); `None` where the lake stores no signals of the drive.
 pub fn unavailable(lake: &Lake, id: &DriveId) -> Result<Option<BTreeMap<String, Vec<Need>>>, LakeError> {
     let file = lake.signals(id, whyroad_signals::VERSION)?;
     let stored = file.and_then(|file| stored_shares(&file));
-    Ok(stored.map(|(signals, unavailable)| lacking(unavailable, &signals)))
+    Ok(stored.map(|Shares { signals, unavailable, partial }| {
+        let (unavailable, partial) = lacking(unavailable, partial, &signals);
+        unavailable.into_iter().chain(partial).collect()
+    }))
 }
 
 /// Lowest and highest speed of the ego, m/s; NaN, which becomes null in JSON, where no speed is known.

@@ -56,6 +56,7 @@ fn joined(
     let whole = whole()?;
     table.frame_columns = whole.frame_columns;
     table.unavailable.extend(whole.unavailable);
+    table.partial = whole.partial;
     if of_targets {
         // Both have the tracks in the same rows.
         debug_assert_eq!(table.targets, whole.targets);

@@ -446,7 +446,7 @@ fn is_of_other_motion(
     // The speed rises and falls within 3 s: something happens that the class does not cover.
     let both = course.trend == Trend::Unknown && !course.stands();
     // If the log has no turns and lane changes, the ego may have done what the class states.
-    let known = ["ego.movement", "ego.lane_change"].iter().all(|s| w.signals.frame_columns.contains_key(*s));
+    let known = ["ego.movement", "ego.lane_change"].iter().all(|s| w.signals.shows_all(s));
     slows || moves_off || stops || both || (known && asked.decides())
 }
 

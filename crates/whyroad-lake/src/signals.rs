@@ -83,6 +83,9 @@ pub struct StoredDrive {
     pub targets: Vec<TargetSpan>,
     /// Signals that the log cannot support, with what it would need.
     pub unavailable: BTreeMap<String, Vec<Need>>,
+    /// Signals that are known only where other data proves them, with what the log would need.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub partial: BTreeMap<String, Vec<Need>>,
     /// The words of each category signal, in the order of their codes.
     pub words: BTreeMap<String, Vec<String>>,
     /// Columns that other drives of the same files have and this one lacks, although they are not unavailable.

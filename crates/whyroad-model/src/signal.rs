@@ -56,6 +56,10 @@ pub struct SignalTable {
     pub target_columns: BTreeMap<String, Column>,
     /// Signals that this log cannot support, with what it lacks: `{"light.state": [Need::TrafficLights]}`.
     pub unavailable: BTreeMap<String, Vec<Need>>,
+    /// Signals with values although the log lacks what they need, with what it lacks: they are known only where other
+    /// data proves them (a junction where the ego turns, without a map). A class that needs one is found there, but the
+    /// drive does not count as searched for it.
+    pub partial: BTreeMap<String, Vec<Need>>,
     /// Signals of pairs, where a rule uses them; then the ego may be the last of `targets`.
     pub pairs: Option<PairTable>,
 }
@@ -95,6 +99,14 @@ impl TargetSpan {
 }
 
 impl SignalTable {
+    /// True if the log has what this signal needs, so that not finding something by it means that it is not there.
+    pub fn shows_all(&self, signal: &str) -> bool {
+        let of_pair = || self.pairs.as_ref().is_some_and(|p| p.columns.contains_key(signal));
+        let has =
+            self.frame_columns.contains_key(signal) || self.target_columns.contains_key(signal) || of_pair();
+        has && !self.partial.contains_key(signal)
+    }
+
     /// The target with this id.
     pub fn target(&self, id: &TrackId) -> Option<&TargetSpan> {
         self.targets.iter().find(|t| &t.id == id)

@@ -15,7 +15,7 @@ use crate::road::network::Road;
 use crate::road::on_road::OnRoad;
 use crate::road::path::{DrivenPath, driven_path};
 use crate::road::way::Ways;
-use crate::road::{self, curvature, junction, lane_change, lights, route, terrain};
+use crate::road::{self, curvature, junction, lane_change, lights, proven_turns, route, terrain};
 use crate::series::seconds;
 use crate::table::TableBuilder;
 use crate::target::approach;
@@ -232,6 +232,9 @@ impl RoadStage<'_> {
             if table.asks(wanted::FREE_WIDTH) {
                 free_width::write(&on, targets, table);
             }
+        }
+        if drive.map.is_none() && table.asks(wanted::ROAD_AHEAD) {
+            proven_turns::write(path, motion, table);
         }
         terrain::write(path, table);
     }

@@ -24,6 +24,7 @@ pub mod own_shift;
 pub mod own_turns;
 pub mod path;
 pub mod profile;
+pub mod proven_turns;
 pub mod roadside;
 pub mod route;
 pub mod stretch;

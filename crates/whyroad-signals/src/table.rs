@@ -71,6 +71,7 @@ pub struct TableBuilder<'a> {
     table: SignalTable,
     rows: usize,
     wanted: &'a Wanted,
+    partial: BTreeSet<SignalId>,
 }
 
 impl<'a> TableBuilder<'a> {
@@ -90,7 +91,7 @@ impl<'a> TableBuilder<'a> {
             targets,
             ..SignalTable::default()
         };
-        Self { catalog, table, rows, wanted }
+        Self { catalog, table, rows, wanted, partial: BTreeSet::new() }
     }
 
     /// True if some signal of the family is requested.
@@ -180,6 +181,12 @@ impl<'a> TableBuilder<'a> {
         self.add(id.id(), Column::Category { codes: values.codes(), names });
     }
 
+    /// Declares that the values of a signal follow from less than it needs: they are right where they are known, and
+    /// that they are unknown elsewhere says nothing.
+    pub fn is_partial(&mut self, id: SignalId) {
+        self.partial.insert(id);
+    }
+
     fn add(&mut self, id: SignalId, column: Column) {
         let (columns, rows) = match id.scope() {
             SignalScope::Frame => (&mut self.table.frame_columns, self.table.times.len()),
@@ -192,9 +199,9 @@ impl<'a> TableBuilder<'a> {
 
     /// The finished table: a signal that the log cannot support is listed with the missing data instead. A signal
     /// without computed values is listed with its missing needs, or with all its needs if each of them is present but
-    /// insufficient.
+    /// insufficient. A partial signal stays in the table, with its missing needs.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
-        let mut unavailable = BTreeMap::new();
+        let (mut unavailable, mut partial) = (BTreeMap::new(), BTreeMap::new());
         for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand() && self.wanted.has(&d.name)) {
             // A bus that never reports a channel lacks it: "AEB never seen active" must not be read as "never active".
             let silent = |need: &Need| {
@@ -205,6 +212,10 @@ impl<'a> TableBuilder<'a> {
                 def.needs.iter().filter(|n| missing.contains(n) || silent(n)).copied().collect();
             let computed = self.table.frame_columns.contains_key(&def.name)
                 || self.table.target_columns.contains_key(&def.name);
+            if computed && self.partial.iter().any(|id| id.name() == def.name) {
+                partial.insert(def.name.clone(), lacking);
+                continue;
+            }
             if lacking.is_empty() && !computed {
                 lacking.clone_from(&def.needs);
             }
@@ -214,7 +225,7 @@ impl<'a> TableBuilder<'a> {
                 unavailable.insert(def.name.clone(), lacking);
             }
         }
-        self.table.unavailable = unavailable;
+        (self.table.unavailable, self.table.partial) = (unavailable, partial);
         self.table
     }
 }

@@ -59,6 +59,7 @@ impl Wanted {
         table.frame_columns.retain(|name, _| of_column(name));
         table.target_columns.retain(|name, _| of_column(name));
         table.unavailable.retain(|name, _| asked(name));
+        table.partial.retain(|name, _| asked(name));
     }
 }
 

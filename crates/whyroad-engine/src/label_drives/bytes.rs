@@ -79,7 +79,7 @@ pub(super) fn of_signals(table: &SignalTable) -> usize {
         + of(&table.times)
         + of(&table.targets)
         + table.targets.len() * TEXT
-        + table.unavailable.len() * 2 * TEXT
+        + (table.unavailable.len() + table.partial.len()) * 2 * TEXT
 }
 
 pub(super) fn of_episodes(episodes: &[EpisodeRecord]) -> usize {

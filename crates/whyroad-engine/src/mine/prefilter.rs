@@ -8,6 +8,7 @@ use whyroad_mining::fast::plan::PlanRule;
 use whyroad_mining::fast::search::lacking;
 use whyroad_mining::language::program::{NodeId, Op, Subject};
 use whyroad_mining::language::syntax::CompareOp;
+use whyroad_model::Need;
 
 /// Statistics of the signals that a drive has, by name; `None` where the file has none.
 pub type Ranges<'a> = BTreeMap<&'a str, Option<Range>>;
@@ -33,14 +34,19 @@ impl Verdict {
     }
 }
 
-/// Evaluates one rule.
-pub fn verdict(plan: &Plan<'_>, rule: &PlanRule<'_>, ranges: &Ranges<'_>) -> Verdict {
+/// Evaluates one rule. `partial`: signals that are known only where other data proves them.
+pub fn verdict(
+    plan: &Plan<'_>,
+    rule: &PlanRule<'_>,
+    ranges: &Ranges<'_>,
+    partial: &BTreeMap<String, Vec<Need>>,
+) -> Verdict {
     let when = rule.node(rule.rule.when);
     let bounds = Bounds { plan, ranges };
     if !bounds.never(when) {
         return Verdict::Open;
     }
-    let lacking = lacking(rule, |s| ranges.contains_key(s));
+    let lacking = lacking(rule, |s| ranges.contains_key(s) && !partial.contains_key(s));
     if !lacking.is_empty() {
         return Verdict::Settled(lacking);
     }

@@ -29,8 +29,10 @@ pub fn find_stored(
     let present: BTreeMap<String, bool> =
         ranges.iter().map(|(n, range)| ((*n).to_owned(), known(range))).collect();
     let targets = file.contents().drives[drive].targets.as_slice();
+    let partial = &file.contents().drives[drive].partial;
 
-    let verdicts: Vec<Verdict> = rules.iter().map(|r| verdict(plan, &plan.rules[*r], &ranges)).collect();
+    let verdicts: Vec<Verdict> =
+        rules.iter().map(|r| verdict(plan, &plan.rules[*r], &ranges, partial)).collect();
     let open: BTreeSet<&str> = verdicts.iter().filter_map(Verdict::asks).collect();
     let mut columns = read(file, drive, open)?;
     let mut out: Vec<Option<Found>> = Vec::with_capacity(rules.len());
@@ -54,7 +56,8 @@ pub fn find_stored(
         wanted.into_iter().filter(|s| present.contains_key(*s) && !columns.contains_key(*s)).collect();
     columns.extend(read(file, drive, wanted)?);
 
-    let signals = Signals::new(file.times(drive)?, targets, present, columns);
+    let mut signals = Signals::new(file.times(drive)?, targets, present, columns);
+    signals.partial = partial.keys().cloned().collect();
     let search = Search::new(plan, &signals, left);
     let wanted = search.wanted();
     signals.supply(read(file, drive, wanted.iter().map(String::as_str).collect())?);

@@ -505,7 +505,7 @@ pub(super) fn of_nothing(w: &Driven<'_>, asked: &Asked<'_>, decision: &DrivingDe
     let no_side = decision.lateral == Some(Lateral::Turn)
         && decision.lateral_direction.is_none()
         && asked.mandated.is_none()
-        && w.signals.frame_columns.contains_key("ego.movement");
+        && w.signals.shows_all("ego.movement");
     let missing = (nothing && asked.decides()) || no_side;
     let against = asked.of_road
         && decision.longitudinal == Some(Longitudinal::SetSpeedTracking)

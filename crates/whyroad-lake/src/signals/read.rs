@@ -185,6 +185,7 @@ impl SignalFile {
             times: self.times(drive)?,
             targets: of.targets.clone(),
             unavailable: of.unavailable.clone(),
+            partial: of.partial.clone(),
             ..SignalTable::default()
         };
         let all = self.signals(drive);

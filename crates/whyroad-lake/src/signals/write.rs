@@ -42,6 +42,7 @@ fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
         frames: table.times.len(),
         targets: table.targets.clone(),
         unavailable: table.unavailable.clone(),
+        partial: table.partial.clone(),
         words: words.collect(),
         ..StoredDrive::default()
     }

@@ -126,6 +126,7 @@ pub(crate) fn one() -> SignalTable {
         }],
         target_columns: columns("target", &rows),
         unavailable: BTreeMap::new(),
+        partial: BTreeMap::new(),
         pairs: None,
     }
 }

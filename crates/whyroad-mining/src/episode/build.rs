@@ -82,7 +82,7 @@ fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<Stri
 
 /// Signals that the rule needs and the drive does not have; none where it can be decided without them.
 pub(crate) fn lacking(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {
-    lacking_signals(rule, &rule.needs(), |s| column(s, table).is_some())
+    lacking_signals(rule, &rule.needs(), |s| table.shows_all(s))
 }
 
 fn absent(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {

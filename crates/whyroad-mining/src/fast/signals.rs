@@ -7,7 +7,7 @@ use super::truth::Truth;
 use crate::language::program::PairSide;
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -93,6 +93,8 @@ pub struct Signals<'a> {
     pub targets: Cow<'a, [TargetSpan]>,
     /// Every signal that the drive has, of frames and targets, and whether any of its values is known.
     pub present: BTreeMap<String, bool>,
+    /// Those of them that are known only where other data proves them ([`SignalTable::partial`]).
+    pub partial: BTreeSet<String>,
     /// Signals of pairs, where the rules use them.
     pub pairs: Option<&'a PairTable>,
     columns: Columns<'a>,
@@ -111,7 +113,8 @@ impl<'a> Signals<'a> {
     ) -> Self {
         let noisy = Cell::new(has_noise(&columns));
         let (times, targets) = (times.into(), targets.into());
-        Self { times, targets, present, pairs: None, columns, more: OnceCell::new(), noisy }
+        let partial = BTreeSet::new();
+        Self { times, targets, present, partial, pairs: None, columns, more: OnceCell::new(), noisy }
     }
 
     /// All signals of a table, borrowed.
@@ -125,7 +128,12 @@ impl<'a> Signals<'a> {
         let signals = Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns);
         let noisy_pairs = table.pairs.iter().flat_map(|p| p.columns.keys()).any(|name| is_deviation(name));
         signals.noisy.set(signals.noisy.get() || noisy_pairs);
-        Self { pairs: table.pairs.as_ref(), ..signals }
+        Self { pairs: table.pairs.as_ref(), partial: table.partial.keys().cloned().collect(), ..signals }
+    }
+
+    /// As [`SignalTable::shows_all`].
+    pub fn shows_all(&self, signal: &str) -> bool {
+        self.present.contains_key(signal) && !self.partial.contains(signal)
     }
 
     /// Columns that turned out to be needed as well. Only the first call supplies them.

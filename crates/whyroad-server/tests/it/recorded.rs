@@ -284,6 +284,7 @@ impl Recordings for Recorded {
             }],
             target_columns: [("target.gap".to_owned(), number(vec![gap; n]))].into(),
             unavailable: BTreeMap::new(),
+            partial: BTreeMap::new(),
             pairs: None,
         }
     }

@@ -38,10 +38,13 @@ const PARKING_M: f64 = 6.0;
 const STAND_MPS: f64 = 1.0;
 
 /// A place on the way, where the ego has moved on by [`STEP_M`] at least.
-struct Place {
-    frame: usize,
-    s: f64,
-    heading: f64,
+pub struct Place {
+    /// Frame of the drive.
+    pub frame: usize,
+    /// Arc length of the path, m.
+    pub s: f64,
+    /// Unwrapped, rad.
+    pub heading: f64,
 }
 
 /// What a recording at least does not show of a turn in which it begins or ends, in frame `edge`, having `seen` so much
@@ -124,7 +127,8 @@ fn is_near_junction(road: &Road, place: P2) -> bool {
         || road.junctions_near(place, AT_JUNCTION_M).any(|area| area.distance(place) <= AT_JUNCTION_M)
 }
 
-fn places(path: &DrivenPath, headings: &[f64]) -> Vec<Place> {
+/// The places of the way, in order. `headings`: unwrapped, rad, by frame.
+pub fn places(path: &DrivenPath, headings: &[f64]) -> Vec<Place> {
     let mut places: Vec<Place> = Vec::new();
     for (frame, (&s, &heading)) in path.ego_s.iter().zip(headings).enumerate() {
         let moved = places.last().is_none_or(|last| s - last.s >= STEP_M);
@@ -136,7 +140,7 @@ fn places(path: &DrivenPath, headings: &[f64]) -> Vec<Place> {
 }
 
 /// First and last places of the parts of the way that bend to one side all the time.
-fn runs(places: &[Place]) -> Vec<(usize, usize)> {
+pub fn runs(places: &[Place]) -> Vec<(usize, usize)> {
     let mut found: Vec<(usize, usize, f64)> = Vec::new();
     for (k, place) in places.iter().enumerate() {
         let from = places[..k].iter().rposition(|p| p.s < place.s - REACH_M).map_or(0, |i| i + 1);

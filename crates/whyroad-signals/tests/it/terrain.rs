@@ -7,7 +7,7 @@ use whyroad_model::road_map::{Area, Facility, Lane, Point3};
 const SPEED: f64 = 10.0;
 
 /// A path of straights and arcs (length in m, curvature in 1/m), driven at 10 m/s from the origin along x.
-fn winding(parts: &'static [(f64, f64)]) -> impl Fn(f64) -> (f64, f64, f64) {
+pub fn winding(parts: &'static [(f64, f64)]) -> impl Fn(f64) -> (f64, f64, f64) {
     move |t| {
         let (mut x, mut y, mut heading, mut left) = (0.0_f64, 0.0_f64, 0.0_f64, SPEED * t);
         for (k, &(length, curvature)) in parts.iter().enumerate() {

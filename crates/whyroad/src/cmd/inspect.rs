@@ -220,6 +220,7 @@ fn label(key: &str, lang: Lang) -> String {
             ("日志中各项都有一部分，但不足以得出", "the log has a part of what it needs, but too little")
         }
         "unobservable" => ("不可观测", "not observable"),
+        "in part" => ("仅在能证明处已知", "known only where other data proves it"),
         "no value" => ("日志支持，但没有值", "supported by the log, but without a value here"),
         "lanes" => ("车道", "lanes"),
         "lanes in junctions" => ("路口内车道", "lanes in junctions"),
@@ -369,6 +370,14 @@ fn signals_text(s: &DriveSummary, detail: Detail, lang: Lang) -> String {
     for (needs, names) in by_need {
         let why = why(needs, lang);
         out += &format!("    {} ({why}): {}\n", label("unobservable", lang), names.join(", "));
+    }
+    let mut in_part: BTreeMap<&[Need], Vec<&str>> = BTreeMap::new();
+    for (name, needs) in &s.partial {
+        in_part.entry(needs).or_default().push(name);
+    }
+    for (needs, names) in in_part {
+        let why = why(needs, lang);
+        out += &format!("    {} ({why}): {}\n", label("in part", lang), names.join(", "));
     }
     if !without_value.is_empty() {
         out += &format!("    {}: {}\n", label("no value", lang), without_value.join(", "));

@@ -2,6 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::mine::number_before;
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -130,4 +133,57 @@ fn lists_of_signals_are_not_repeated_for_every_drive() {
         none.status.code() == Some(1) && said.contains("drive 'nothing' not found in the lake"),
         "{said}"
     );
+}
+
+/// A drive without a map in the table layout: 40 m straight, a quarter of a circle of 12 m radius to the right, 80 m
+/// straight, at 10 m/s.
+fn turn_without_a_map(dir: &Path) {
+    let (corner, quarter) = (40.0, 6.0 * PI);
+    let mut ego = "time_s,x_m,y_m,heading_rad\n".to_owned();
+    for i in 0..139 {
+        let s = f64::from(i);
+        let turned = ((s - corner) / 12.0).clamp(0.0, PI / 2.0);
+        let on = (s - corner - quarter).max(0.0);
+        let (x, y) = (s.min(corner) + 12.0 * turned.sin(), -12.0 * (1.0 - turned.cos()) - on);
+        writeln!(ego, "{:.3},{x:.6},{y:.6},{:.6}", s / 10.0, -turned).unwrap();
+    }
+    let meta = r#"{"source": "test",
+        "ego": {"length_m": 4.8, "width_m": 1.9, "height_m": 1.5, "reference_to_centre_m": 0}}"#;
+    fs::write(dir.join("drive.json"), meta).unwrap();
+    fs::write(dir.join("ego.csv"), ego).unwrap();
+    fs::write(dir.join("objects.csv"), "time_s,track_id,class,x_m,y_m,heading_rad\n").unwrap();
+}
+
+#[test]
+fn a_turn_without_a_map_is_found_and_nothing_else_counts_as_searched() {
+    let dir = tempfile::tempdir().unwrap();
+    let [log, lake, mined] = ["log", "lake", "mined"].map(|name| dir.path().join(name));
+    fs::create_dir(&log).unwrap();
+    turn_without_a_map(&log);
+    let [log, lake, mined] = [&log, &lake, &mined].map(|path| path.to_str().unwrap());
+    assert_eq!(whyroad(&["ingest", "table", log, "--lake", lake]).status.code(), Some(0));
+    assert_eq!(whyroad(&["mine", "--lake", lake, "--out", mined]).status.code(), Some(0));
+    let coverage = fs::read_to_string(Path::new(mined).join("coverage.json")).unwrap();
+    let coverage: serde_json::Value = serde_json::from_str(&coverage).unwrap();
+    let of =
+        |id: &str| coverage["leaves"].as_array().unwrap().iter().find(|l| l["scenario_id"] == id).unwrap();
+    let (right, left) = (of("proactive.turn.right_normal"), of("proactive.turn.left_normal"));
+    // Found, and yet the drive was not searched: turns of another shape may be in it.
+    assert_eq!(
+        (&right["state"], &right["episodes"], &right["drives_searched"]),
+        (&"found".into(), &1.into(), &0.into())
+    );
+    assert_eq!((&left["state"], &left["drives_searched"]), (&"not_observable".into(), &0.into()));
+    let lacking = right["gaps"][0]["missing_signals"].as_array().unwrap();
+    assert!(lacking.contains(&"ego.in_junction".into()), "{right}");
+
+    let text = out(&whyroad(&["inspect", "--lake", lake]));
+    let line = "known only where other data proves it (needs map): ego.in_junction, ego.movement, ego.turn_angle,";
+    assert!(text.contains(line), "{text}");
+    let missing = out(&whyroad(&["mine", "--lake", lake, "--out", mined, "--missing", "--format", "json"]));
+    assert!(missing.contains("proactive.turn.right_normal"), "{missing}");
+    let stored = out(&whyroad(&["inspect", "--lake", lake, "--format", "json"]));
+    let stored: serde_json::Value = serde_json::from_str(&stored).unwrap();
+    assert_eq!(stored[0]["partial"]["ego.movement"], serde_json::json!(["map"]));
+    assert_eq!(stored[0]["unavailable"].get("ego.movement"), None);
 }

@@ -123,9 +123,15 @@ pub fn table() -> impl Strategy<Value = SignalTable> {
                 let observed = observed.map(|t| Tri::from(t != Tri::Unknown)).collect();
                 target_columns.insert("object.observed".to_owned(), Column::Flag(observed));
             }
+            let frame_columns = columns("ego", &of_frames, times.len(), lacks.0);
+            // Of some drives a signal is known only where other data proves it.
+            let first = frame_columns.keys().next().filter(|_| skip % 3 == 0);
+            let partial =
+                first.map(|name| (name.clone(), vec![whyroad_model::Need::Map])).into_iter().collect();
             SignalTable {
                 drive_id: "random".into(),
-                frame_columns: columns("ego", &of_frames, times.len(), lacks.0),
+                partial,
+                frame_columns,
                 target_columns,
                 pairs: paired.then(|| pairs_of(&targets, &of_pairs, skip)),
                 times,
