@@ -18,7 +18,7 @@ use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
-use whyroad_framework::mapping::{ClassChange, ClassMapping};
+use whyroad_framework::mapping::ClassMapping;
 use whyroad_label::carry::{Carried, carry};
 use whyroad_model::ScenarioId;
 
@@ -32,6 +32,8 @@ const STAGE: &str = "6-migrate";
 pub struct CarriedRelease {
     /// Samples whose class has another id, by class before and after.
     pub moved: BTreeMap<String, BTreeMap<String, u64>>,
+    /// Samples of which only secondary classes changed.
+    pub secondary: u64,
     /// Samples that need a person's decision.
     pub undecided: Vec<UndecidedSample>,
     /// Samples left out because another of the same drive and keyframe has the class now.
@@ -217,7 +219,7 @@ fn one(
             });
             return None;
         }
-        Carried::Moved { to, .. } => {
+        Carried::Moved { to, .. } | Carried::Secondary { class: to } => {
             put(&mut sample, to, &label, mapping);
         }
     }
@@ -225,9 +227,8 @@ fn one(
         done.repeated.push(sample.sample_id);
         return None;
     }
-    if let Carried::Moved { from, to } = &carried
-        && from != to
-    {
+    done.secondary += u64::from(matches!(carried, Carried::Secondary { .. }));
+    if let Carried::Moved { from, to } = &carried {
         *done.moved.entry(from.to_string()).or_default().entry(to.to_string()).or_default() += 1;
     }
     done.samples += 1;
@@ -239,11 +240,8 @@ fn put(sample: &mut Sample, to: &ScenarioId, label: &serde_json::Value, mapping:
     sample.l2 = to.l2.clone().unwrap_or_default();
     sample.l3.clone_from(&to.l3);
     sample.scenario_id = to.to_string();
-    for secondary in &mut sample.secondary_scenarios {
-        if let Some(ClassChange::To(to)) = secondary.parse().ok().and_then(|id| mapping.change(&id)) {
-            *secondary = to.to_string();
-        }
-    }
+    let listed = label["secondary_scenarios"].as_array().into_iter().flatten();
+    sample.secondary_scenarios = listed.filter_map(|id| id.as_str().map(str::to_owned)).collect();
     sample.label_json = label.to_string();
     sample.lineage.label_sha256 = hex(&Sha256::digest(sample.label_json.as_bytes()));
     sample.lineage.taxonomy_version = Some(mapping.to.clone());

@@ -20,6 +20,7 @@ use road::Road;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
+use whyroad_label::check::Checker;
 use whyroad_model::scene::FrameOfReference;
 use whyroad_model::time::frame_at;
 use whyroad_model::{Drive, Nanos, SignalTable};
@@ -46,6 +47,8 @@ pub(crate) struct Cutter<'a> {
     pub signals: Option<SignalTable>,
     pub licence: &'a str,
     pub media: &'a Media,
+    /// Checks drafts.
+    checker: Checker<'a>,
     road: Road,
 }
 
@@ -58,7 +61,8 @@ impl<'a> Cutter<'a> {
         media: &'a Media,
     ) -> Self {
         let road = Road::new(drive.map.as_ref().filter(|_| spec.sample.map));
-        Self { spec, framework, drive, signals, licence, media, road }
+        let checker = Checker::new(framework);
+        Self { spec, framework, drive, signals, licence, media, checker, road }
     }
 
     /// The sample, and what the later stages need of it.

@@ -102,6 +102,7 @@ const REASONS: &[(&str, &str, &str)] = &[
     ("label_unreadable", "标签无法读取", "label unreadable"),
     ("contradicts_recording", "标签与行程记录矛盾", "label contradicts the recording"),
     ("draft_doubt", "草稿存疑", "doubtful draft"),
+    ("draft_invalid", "草稿有错误", "draft with errors"),
     ("camera_missing", "缺少相机", "camera missing"),
     ("image_missing", "缺少图片", "image missing"),
     ("image_before_drive", "图片时刻早于行程", "image time before the drive"),

@@ -6,11 +6,13 @@
 //! else is wording, order or reference: **patch**.
 //!
 //! Changes of meaning in a definition, condition or deciding rule are judged in `wording`. Two whole frameworks are
-//! compared by [`diff_frameworks`]: their labeling specs (`labelling`) and mining rules (`mining`) too.
+//! compared by [`diff_frameworks`]: their labeling specs (`labelling`), the tables of decisions and records (`tables`)
+//! and mining rules (`mining`) too.
 
 mod framework;
 mod labelling;
 mod mining;
+mod tables;
 mod wording;
 
 pub use framework::{FileVersion, diff_frameworks};
@@ -84,6 +86,8 @@ pub enum ChangeKind {
     Labelling,
     /// Another mining rule, as written.
     Mining,
+    /// Other texts, causes or combinations of a driving decision, whose id stands in the place of a class.
+    Decision,
 }
 
 /// Whether B's version is high enough. In order of severity.
@@ -261,7 +265,7 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, moves: &M
         [("definition", Some(x.definition), Some(y.definition)), ("condition", x.condition, y.condition)];
     for (field, before, after) in texts {
         let (Some(before), Some(after)) = (before, after) else { continue };
-        match compare_text(&moves.applied(before), after) {
+        match moves.compared(before, after) {
             Wording::Same => {}
             Wording::Reworded => {
                 push(ChangeKind::Reworded, field, before.clone(), after.clone(), Step::Patch)
@@ -276,7 +280,7 @@ fn fields(id: &ScenarioId, x: &Entry<'_>, y: &Entry<'_>, scope: Scope, moves: &M
     }
     for d in y.decides {
         let old = x.decides.iter().find(|o| o.against == *moves.before(&d.against)).map(|o| &o.rule);
-        let (kind, step) = match old.map(|rule| compare_text(&moves.applied(rule), &d.rule)) {
+        let (kind, step) = match old.map(|rule| moves.compared(rule, &d.rule)) {
             None => (ChangeKind::MeaningChanged, Step::Minor),
             Some(Wording::Same) => continue,
             Some(Wording::Reworded) => (ChangeKind::Reworded, Step::Patch),
@@ -336,6 +340,16 @@ impl Moves {
     /// The id in A of a class of B.
     fn before<'i>(&'i self, id: &'i ScenarioId) -> &'i ScenarioId {
         self.0.iter().find(|(_, to)| to == id).map_or(id, |(from, _)| from)
+    }
+
+    /// The id in B of a class of A.
+    fn after<'i>(&'i self, id: &'i ScenarioId) -> &'i ScenarioId {
+        self.0.iter().find(|(from, _)| from == id).map_or(id, |(_, to)| to)
+    }
+
+    /// Compares texts, whether the later one calls the moved classes by their ids in B or still by those in A.
+    fn compared(&self, before: &Bilingual, after: &Bilingual) -> Wording {
+        compare_text(&self.applied(before), after).min(compare_text(before, after))
     }
 
     /// A text of A with the ids of B: in full, without the L1, and the last part alone where it is no plain word.

@@ -4,6 +4,7 @@ mod files;
 mod load;
 
 pub use files::{FrameworkFiles, utf8_text};
+pub(crate) use load::{DECISION_TABLE, DECISIONS, RECORD_TYPES};
 
 use crate::{
     Calibration, DecisionSets, DecisionTable, DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes,
@@ -34,6 +35,8 @@ pub struct Framework {
     pub expressions: Vec<ExpressionSource>,
     /// Version that each file of `scenarios/` states, by relative path.
     pub spec_versions: BTreeMap<String, String>,
+    /// The same of the tables of decisions and records.
+    pub file_versions: BTreeMap<String, String>,
     /// The tables that read and check the texts of labels.
     reading: Reading,
     /// Types of the required records.
@@ -164,6 +167,12 @@ impl Framework {
         collect(&SCENARIOS, "scenarios", &mut out);
         out.extend(Self::bundled_prompts());
         out
+    }
+
+    /// The built-in framework has the file with this relative path.
+    pub(crate) fn is_bundled_file(path: &str) -> bool {
+        path.strip_prefix("scenarios/").is_some_and(|of| SCENARIOS.get_file(of).is_some())
+            || path.strip_prefix("schema/").is_some_and(|of| SCHEMA.get_file(of).is_some())
     }
 
     /// The texts of `prompts/`.

@@ -1,14 +1,18 @@
 //! Types of the required records of a label (`scenarios/records.yaml`), and their stored form, which is independent of
 //! the language. The labeling specs state which leaf requires which record.
 
+use crate::spec::{RecordChoice, RecordSpec};
 use crate::yaml_text;
 use serde::Deserialize;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// The stored value where the clip does not show it.
 pub const UNKNOWN: &str = "unknown";
+/// Ids of the choices of a record that is true or false.
+const YES: &str = "yes";
+const NO: &str = "no";
 
 /// Type of a record.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -109,7 +113,108 @@ pub enum RecordVerdict {
     NotAChoice(Vec<String>),
 }
 
+impl RecordType {
+    /// The type that a labeling spec itself states: a number where there is a unit, one of its choices, else text. What
+    /// is plausible and which other words stand for a choice is not known.
+    pub fn of_spec(spec: &RecordSpec) -> Self {
+        let words = |c: &RecordChoice| vec![c.id.clone(), c.name.zh.clone(), c.name.en.clone()];
+        match offered(spec)[..] {
+            [] if spec.unit.is_some() => Self::Number { min: f64::NEG_INFINITY, max: f64::INFINITY },
+            [] => Self::Text,
+            [yes, no] if (yes.id.as_str(), no.id.as_str()) == (YES, NO) => {
+                Self::Flag { yes: words(yes), no: words(no) }
+            }
+            ref choices => Self::Choice {
+                values: choices.iter().map(|c| ChoiceValue { id: c.id.clone(), words: words(c) }).collect(),
+                or_text: false,
+                text_words: 0,
+            },
+        }
+    }
+
+    /// How it differs from what a labeling spec states of the record, if it does.
+    fn disagrees(&self, spec: &RecordSpec) -> Option<Bilingual> {
+        let id = &spec.id;
+        if spec.unit.is_some() != matches!(self, Self::Number { .. }) {
+            return Some(match &spec.unit {
+                Some(unit) => Bilingual::new(
+                    format!(
+                        "记录 '{id}' 在此处以 {unit} 为单位，scenarios/records.yaml 中的类型却不是 number"
+                    ),
+                    format!(
+                        "record '{id}' is in {unit} here, but its type in scenarios/records.yaml is not number"
+                    ),
+                ),
+                None => Bilingual::new(
+                    format!("记录 '{id}' 在此处没有单位，scenarios/records.yaml 中的类型却是 number"),
+                    format!(
+                        "record '{id}' has no unit here, but its type in scenarios/records.yaml is number"
+                    ),
+                ),
+            });
+        }
+        let here: BTreeSet<&str> = offered(spec).iter().map(|c| c.id.as_str()).collect();
+        let there: BTreeSet<&str> = match self {
+            Self::Choice { values, .. } => values.iter().map(|v| v.id.as_str()).collect(),
+            Self::Flag { .. } => BTreeSet::from([YES, NO]),
+            Self::Number { .. } | Self::Text => BTreeSet::new(),
+        };
+        let list = |ids: &BTreeSet<&str>| match ids.is_empty() {
+            true => "-".to_owned(),
+            false => ids.iter().copied().collect::<Vec<_>>().join(", "),
+        };
+        (here != there).then(|| {
+            let (here, there) = (list(&here), list(&there));
+            Bilingual::new(
+                format!("记录 '{id}' 的选项在此处为 {here}，在 scenarios/records.yaml 中为 {there}"),
+                format!("record '{id}' has the choices {here} here, but {there} in scenarios/records.yaml"),
+            )
+        })
+    }
+}
+
+/// Choices of a record that state something.
+fn offered(spec: &RecordSpec) -> Vec<&RecordChoice> {
+    spec.choices.iter().filter(|c| c.id != UNKNOWN).collect()
+}
+
 impl RecordTypes {
+    /// How the table differs from what a labeling spec states of a record, if it does; a record without an entry is
+    /// checked by its spec alone.
+    pub(crate) fn disagrees(&self, spec: &RecordSpec) -> Option<Bilingual> {
+        let Some(kind) = self.records.get(&spec.id) else {
+            let id = &spec.id;
+            return Some(Bilingual::new(
+                format!("scenarios/records.yaml 中没有记录 '{id}'：取值只按规格的单位和选项检查"),
+                format!(
+                    "scenarios/records.yaml has no record '{id}': its values are checked by the unit and the choices \
+                     of the spec alone"
+                ),
+            ));
+        };
+        kind.disagrees(spec)
+    }
+
+    /// Gives each record without an entry the type that its spec states. Where two specs state different types, only
+    /// text is left; different choices are joined.
+    pub(crate) fn complete<'s>(&mut self, specs: impl Iterator<Item = &'s RecordSpec>) {
+        let mut added: BTreeMap<String, RecordType> = BTreeMap::new();
+        for spec in specs.filter(|spec| !self.records.contains_key(&spec.id)) {
+            let stated = RecordType::of_spec(spec);
+            match (added.get_mut(&spec.id), stated) {
+                (None, stated) => drop(added.insert(spec.id.clone(), stated)),
+                (Some(known), stated) if *known == stated => {}
+                (Some(RecordType::Choice { values, .. }), RecordType::Choice { values: more, .. }) => {
+                    let new: Vec<_> =
+                        more.into_iter().filter(|m| values.iter().all(|v| v.id != m.id)).collect();
+                    values.extend(new);
+                }
+                (Some(known), _) => *known = RecordType::Text,
+            }
+        }
+        self.records.extend(added);
+    }
+
     /// From the text of `scenarios/records.yaml`; `file` is named in diagnostics.
     pub fn parse(file: &str, text: &str) -> (RecordTypes, Vec<Diagnostic>) {
         let what = Bilingual::new("记录类型表", "the record types");
@@ -122,7 +227,7 @@ impl RecordTypes {
     /// True when `text` states that the clip does not show it.
     pub fn is_unknown(&self, text: &str) -> bool {
         let text = text.trim();
-        self.unknown.iter().any(|w| w.eq_ignore_ascii_case(text))
+        text == UNKNOWN || self.unknown.iter().any(|w| w.eq_ignore_ascii_case(text))
     }
 
     /// `value` as it is stored; `None` where it is already so, wrong, or of a record that has no type.
@@ -266,9 +371,10 @@ mod tests {
     #[test]
     fn every_record_of_a_spec_has_a_type_with_its_choices() {
         let f = Framework::bundled();
+        let (table, _) = RecordTypes::parse("r.yaml", &Framework::bundled_files()["scenarios/records.yaml"]);
         for spec in f.specs.values() {
             for r in &spec.records {
-                let kind = f.record_types.records.get(&r.id);
+                let kind = table.records.get(&r.id);
                 assert!(kind.is_some(), "{}: {}", spec.leaf, r.id);
                 assert_eq!(r.unit.is_some(), matches!(kind, Some(RecordType::Number { .. })), "{}", r.id);
                 let offered: Vec<_> =
@@ -281,5 +387,48 @@ mod tests {
                 assert_eq!(offered, typed, "{}: {}", spec.leaf, r.id);
             }
         }
+    }
+
+    /// The spec states a unit or choices (docs/reference/framework-files.md, `records`): they bind without an entry.
+    #[test]
+    fn a_record_without_an_entry_is_checked_by_its_spec_and_reported() {
+        let mut files = Framework::bundled_files();
+        let file = "scenarios/reactive_agent/cutin.yaml";
+        let at =
+            files[file].find("\n  urgent:\n    labeling:\n").unwrap() + "\n  urgent:\n    labeling:\n".len();
+        let records = "      records:\n        - id: gap_taken\n          name: { zh: 所占间距, en: gap taken }\n          \
+                       unit: m\n        - id: side_from\n          name: { zh: 切入方向, en: side }\n          \
+                       choices:\n            - { id: left, name: { zh: 左侧, en: left } }\n            - { id: right, \
+                       name: { zh: 右侧, en: right } }\n        - id: grade\n          name: { zh: 坡度, en: grade }\n";
+        files.get_mut(file).unwrap().insert_str(at, records);
+        let (framework, found) = Framework::from_files(&files);
+        let framework = framework.unwrap();
+        let said: Vec<(&str, &str, Option<&str>)> = found
+            .iter()
+            .map(|d| (d.code, d.message.en.split('\'').nth(1).unwrap(), d.location.file.as_deref()))
+            .collect();
+        let code = "spec.record.type";
+        assert_eq!(
+            said,
+            [
+                (code, "gap_taken", Some(file)),
+                (code, "side_from", Some(file)),
+                // Without a unit, although records.yaml has a range of numbers.
+                (code, "grade", Some(file)),
+            ]
+        );
+        let line = |id: &str| files[file].lines().position(|l| l.contains(&format!("id: {id}"))).unwrap() + 1;
+        assert_eq!(found[0].location.line, Some(line("gap_taken")));
+        let judge =
+            |id: &str, v: Value| framework.record_types.judge(id, RecordValue::of(&v).unwrap()).unwrap();
+        assert_eq!(judge("gap_taken", json!(12)), RecordVerdict::Stored(json!(12.0)));
+        assert_eq!(judge("gap_taken", json!("十二")), RecordVerdict::WrongType);
+        assert_eq!(judge("gap_taken", json!("12 s")), RecordVerdict::WrongType);
+        assert_eq!(judge("gap_taken", json!("unknown")), RecordVerdict::Stored(json!("unknown")));
+        assert_eq!(judge("side_from", json!("左侧")), RecordVerdict::Stored(json!("left")));
+        assert_eq!(
+            judge("side_from", json!("up")),
+            RecordVerdict::NotAChoice(vec!["left".into(), "right".into()])
+        );
     }
 }

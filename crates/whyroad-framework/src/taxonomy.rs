@@ -1,6 +1,7 @@
 //! The classes (TAXONOMY.md) as validated values, in the order of the file, and how user input finds one.
 //! Reading the YAML is in `read`.
 
+mod agreement;
 mod lookup;
 mod read;
 mod resolve;

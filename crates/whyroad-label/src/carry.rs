@@ -2,7 +2,7 @@
 //! determine is left to a person, and never guessed.
 
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::mapping::{ClassChange, ClassMapping, SplitPart};
 use whyroad_model::ScenarioId;
 use whyroad_model::label_fields::{name, pointer};
@@ -12,7 +12,12 @@ use whyroad_model::label_fields::{name, pointer};
 pub enum Carried {
     /// None of its classes changes, or the mapping was applied to it before.
     Same,
-    /// Its class, or one of its secondary classes, has a new id.
+    /// Its class stays; secondary classes have new ids, or are left out because they are listed already.
+    Secondary {
+        /// Its class.
+        class: ScenarioId,
+    },
+    /// Its class has a new id.
     Moved {
         /// Class before.
         from: ScenarioId,
@@ -59,6 +64,9 @@ pub fn carry(mapping: &ClassMapping, label: &mut Value) -> Carried {
         undecided = Some(vec![to.clone()]);
     }
     let secondary = secondary(mapping, label, &mut undecided);
+    if secondary || to != from {
+        listed_once(label, &to);
+    }
     if to == from && !secondary && undecided.is_none() {
         return Carried::Same;
     }
@@ -70,6 +78,7 @@ pub fn carry(mapping: &ClassMapping, label: &mut Value) -> Carried {
     }
     match undecided {
         Some(parts) => Carried::Undecided { from, to, parts },
+        None if from == to => Carried::Secondary { class: to },
         None => Carried::Moved { from, to },
     }
 }
@@ -128,6 +137,15 @@ fn secondary(mapping: &ClassMapping, label: &mut Value, undecided: &mut Option<V
         }
     }
     changed
+}
+
+/// Leaves out the secondary classes that a merge has made one with `class`, that of the label, or with each other.
+fn listed_once(label: &mut Value, class: &ScenarioId) {
+    let list = label.get_mut(name::SECONDARY_SCENARIOS).and_then(Value::as_array_mut);
+    let mut seen = BTreeSet::from([class.to_string()]);
+    if let Some(list) = list {
+        list.retain(|item| item.as_str().is_none_or(|text| seen.insert(text.to_owned())));
+    }
 }
 
 /// The only part whose conditions the label meets; a part without conditions is never chosen.
@@ -215,6 +233,30 @@ mod tests {
         let before = one.clone();
         assert_eq!(carry(&mapping(), &mut one), Carried::Same);
         assert_eq!(one, before, "doing it again changes nothing");
+    }
+
+    #[test]
+    fn what_a_merge_makes_one_is_listed_once() {
+        let merged = || ClassMapping {
+            changes: ["a.b.c", "a.b.d"].map(|of| (id(of), ClassChange::To(id("a.b")))).into(),
+            records: BTreeMap::new(),
+            ..mapping()
+        };
+        let with = |l3: &str, secondary: &[&str]| {
+            let mut one = label(l3, "resume");
+            one["secondary_scenarios"] = json!(secondary);
+            one
+        };
+        // Two secondary classes become one; the class itself does not change.
+        let mut other = with("q", &["a.b.c", "a.z.z", "a.b.d"]);
+        assert_eq!(carry(&merged(), &mut other), Carried::Secondary { class: id("a.b.q") });
+        assert_eq!(other["secondary_scenarios"], json!(["a.b", "a.z.z"]));
+        // The class and a secondary one become one: it is not secondary to itself, changed or not.
+        for secondary in ["a.b.d", "a.b"] {
+            let mut one = with("c", &[secondary, "a.z.z"]);
+            assert_eq!(carry(&merged(), &mut one), Carried::Moved { from: id("a.b.c"), to: id("a.b") });
+            assert_eq!(one["secondary_scenarios"], json!(["a.z.z"]), "{secondary}");
+        }
     }
 
     #[test]

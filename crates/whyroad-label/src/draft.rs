@@ -43,8 +43,12 @@ use whyroad_model::messages::{
 };
 use whyroad_model::time::frame_at;
 use whyroad_model::{
-    Bilingual, ComponentCategory, Drive, Lang, Nanos, ScenarioId, SignalTable, TrackId, Tri,
+    Bilingual, ComponentCategory, Diagnostic, Drive, Lang, Nanos, ScenarioId, Severity, SignalTable, TrackId,
+    Tri,
 };
+
+/// The code of a record that a person has to fill in, because the drive does not show it.
+pub const MISSING_RECORD: &str = "label.record.missing";
 
 /// Minimum change of the heading of an ego that turns, rad: 15 degrees.
 const TURNED_RAD: f64 = std::f64::consts::PI / 12.0;
@@ -298,15 +302,14 @@ fn make(
     // An episode has a draft in both languages or in none, with the same components, whatever one of them could say.
     let other = if lang == Lang::Zh { Lang::En } else { Lang::Zh };
     let all = subjects.components.len();
-    let texts = told(&subjects, all, lang).zip(told(&named.in_language(other), all, other));
-    let fewest =
-        texts.map(
-            |(own, other)| {
-                if other.things < own.things { told(&subjects, other.things, lang) } else { Some(own) }
-            },
-        );
-    let Some(written) = fewest.flatten() else {
-        return undrafted(framework, drive, episode, Doubt::Words, records, notes);
+    let own = told(&subjects, all, lang);
+    let fewest = own.and_then(|own| match told(&named.in_language(other), all, other)?.things {
+        things if things < own.things => told(&subjects, things, lang),
+        _ => Ok(own),
+    });
+    let written = match fewest {
+        Ok(written) => written,
+        Err(doubt) => return undrafted(framework, drive, episode, doubt, records, notes),
     };
     let (coc_trace, subjects::Subjects { mut components, of_turn, along, .. }) = (written.text, subjects);
     // What the trace does not say is not listed.
@@ -340,6 +343,12 @@ fn make(
     let parts = Parts { decision, components, coc_trace, records, causes };
     let label = label_of(framework, episode, clipped, parts);
     Draft { episode_id: episode.episode_id.clone(), label, doubt: None, notes }
+}
+
+/// Those of the findings about a draft that keep it from being used: errors other than a record that the drive does not
+/// show, which a person fills in.
+pub fn errors(findings: &[Diagnostic]) -> impl Iterator<Item = &Diagnostic> {
+    findings.iter().filter(|d| d.severity == Severity::Error && d.code != MISSING_RECORD)
 }
 
 /// The skeleton of an episode that is not drafted, with the reason.

@@ -330,11 +330,22 @@ fn expected(case: &CaseText, rule: &Rule, found: &DriveEpisodes) -> Result<(), R
     }
     let missing = found.missing.get(scenario).cloned().unwrap_or_default();
     if missing != case.not_observable {
+        let is_observable = missing.is_empty();
         let (wanted, missing) = (case.not_observable.join(", "), missing.join(", "));
-        return Err(Bilingual::new(
-            format!("应因缺少 [{wanted}] 而不可观测，实际缺少 [{missing}]"),
-            format!("not observable for lack of [{wanted}] expected, found [{missing}]"),
-        ));
+        return Err(match (case.not_observable.is_empty(), is_observable) {
+            (true, _) => Bilingual::new(
+                format!("应可观测，实际缺少 [{missing}]"),
+                format!("observable expected, but it lacks [{missing}]"),
+            ),
+            (_, true) => Bilingual::new(
+                format!("应因缺少 [{wanted}] 而不可观测，实际可观测"),
+                format!("not observable for lack of [{wanted}] expected, but it is observable"),
+            ),
+            _ => Bilingual::new(
+                format!("应因缺少 [{wanted}] 而不可观测，实际缺少 [{missing}]"),
+                format!("not observable for lack of [{wanted}] expected, found [{missing}]"),
+            ),
+        });
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ mod nearest;
 
 pub use nearest::{NearClass, UndecidedClass, UnmetCondition, nearest, undecided};
 
+use crate::episode::arbitrate::resolves;
 use crate::episode::build::{locate, matches, measured_in_words, runs, truth_at};
 use crate::episode::{Episode, find, pairs};
 use crate::interpret::{Evaluator, Pass, Roles, Row, Series, Truths};
@@ -140,6 +141,22 @@ pub fn explain(rule: &Rule, table: &SignalTable, clip: FrameRange, wanted: Optio
 /// Explains the match of a rule with this keyframe, a frame of the drive; the nearest miss where there is none.
 pub fn explain_match(rule: &Rule, table: &SignalTable, clip: FrameRange, keyframe: usize) -> Explanation {
     explain_one(rule, table, (clip, Some(keyframe)), None)
+}
+
+/// The episodes of `leaves` that mining reports instead of the match of their L2's `rule` with this keyframe, a frame
+/// of the drive, in the order of their keyframes: the variant is known there.
+pub fn variants(rule: &Rule, leaves: &[Rule], table: &SignalTable, keyframe: usize) -> Vec<Episode> {
+    if rule.scenario.is_leaf() {
+        return Vec::new();
+    }
+    let own = find(rule, table).episodes;
+    let own: Vec<&Episode> = own.iter().filter(|e| e.keyframe == keyframe).collect();
+    let below =
+        leaves.iter().filter(|leaf| leaf.scenario.is_leaf() && leaf.scenario.is_within(&rule.scenario));
+    let found = below.flat_map(|leaf| find(leaf, table).episodes);
+    let mut found: Vec<Episode> = found.filter(|leaf| own.iter().any(|e| resolves(leaf, e))).collect();
+    found.sort_by(|a, b| (a.keyframe, &a.scenario).cmp(&(b.keyframe, &b.scenario)));
+    found
 }
 
 fn explain_one(

@@ -48,6 +48,8 @@ pub struct SignalDef {
     pub source: String,
     /// Typical magnitude in the base unit, for normalizing margins; 1 for flags and categories.
     pub scale: f64,
+    /// The least possible value of a number, in the base unit, where there is one.
+    pub least: Option<f64>,
     /// Other names for it.
     pub aliases: Vec<String>,
 }

@@ -4,13 +4,20 @@ use crate::Global;
 use crate::output::reason::{cannot_read, no_framework, stop};
 use anyhow::Context as _;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use whyroad_framework::{Framework, FrameworkFiles};
 use whyroad_model::{Diagnostic, Lang, Severity};
 use whyroad_signals::Catalog;
 
 /// Whether the framework that was loaded has errors.
 static IS_FAULTY: AtomicBool = AtomicBool::new(false);
+
+/// Number of errors in its rules and moments that [`load`] found and did not print: commands that use the rules print
+/// them.
+static FAULTS_OF_RULES: AtomicUsize = AtomicUsize::new(0);
+
+/// Warnings that are printed; of more, only their number.
+const MOST_WARNINGS: usize = 3;
 
 /// True where a file of the framework was left out: what the command did or found is then incomplete, and "no findings"
 /// is not to be relied on.
@@ -26,15 +33,50 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<(Framework, Vec<Diagnostic
     if let Some(framework) = &framework {
         found.extend(placed(Some(dir), Catalog::parse(&framework.signals_yaml).1));
     }
-    for d in &found {
+    let (warnings, errors): (Vec<_>, Vec<_>) = found.iter().partition(|d| d.severity == Severity::Warning);
+    // Many warnings would bury what the command itself has to say.
+    let shown = if warnings.len() > MOST_WARNINGS { &[][..] } else { &warnings[..] };
+    for d in errors.iter().chain(shown) {
         tell!("{}", crate::output::render_text(d, global.lang));
     }
-    if found.iter().any(|d| d.severity == Severity::Error) {
+    if shown.len() < warnings.len() {
+        let (n, dir) = (warnings.len(), dir.display());
+        match global.lang {
+            Lang::Zh => say!("框架有 {n} 个警告：`whyroad --framework {dir} taxonomy lint` 列出"),
+            Lang::En => {
+                say!("the framework has {n} warnings: `whyroad --framework {dir} taxonomy lint` lists them")
+            }
+        }
+    }
+    let of_rules = framework.as_ref().map_or(0, |framework| faults_of_rules(framework).len());
+    FAULTS_OF_RULES.store(of_rules, Ordering::Relaxed);
+    if of_rules > 0 || found.iter().any(|d| d.severity == Severity::Error) {
         IS_FAULTY.store(true, Ordering::Relaxed);
     }
     match framework {
         Some(framework) => Ok((framework, found)),
         None => Err(anyhow::anyhow!(no_framework(dir.display()))),
+    }
+}
+
+/// Errors in what a framework states in the rule language: what it does not apply.
+pub(crate) fn faults_of_rules(framework: &Framework) -> Vec<Diagnostic> {
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
+    let found = whyroad_mining::rule::lint::lint(framework, &catalog);
+    found.into_iter().filter(|d| d.severity == Severity::Error).collect()
+}
+
+/// Says that rules were not applied, where a command that does not use them would otherwise end as if all were well.
+pub(crate) fn tell_faults_of_rules(lang: Lang) {
+    let n = FAULTS_OF_RULES.load(Ordering::Relaxed);
+    if n > 0 {
+        match lang {
+            Lang::Zh => say!("框架的规则有 {n} 个错误，有关的规则未使用：`whyroad taxonomy lint` 列出"),
+            Lang::En => say!(
+                "{} in the rules of the framework, which are not used: `whyroad taxonomy lint` lists them",
+                whyroad_model::counted(n, "error")
+            ),
+        }
     }
 }
 

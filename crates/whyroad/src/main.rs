@@ -186,5 +186,9 @@ fn main() -> ExitCode {
         }
         output::FINDINGS
     });
-    if code == output::FINE && framework_folder::is_faulty() { output::lost_input() } else { code }
+    if code == output::FINE && framework_folder::is_faulty() {
+        framework_folder::tell_faults_of_rules(lang);
+        return output::lost_input();
+    }
+    code
 }

@@ -5,7 +5,7 @@ use crate::item::{Dropped, Stage};
 use crate::labels::{LabelRecord, language};
 use crate::sample::{Cause, Component, Sample};
 use std::collections::BTreeSet;
-use whyroad_label::draft::draft;
+use whyroad_label::draft::{draft, errors};
 use whyroad_model::decision::{Lateral, Longitudinal};
 use whyroad_model::messages::{CocLabel, EpisodeRecord};
 use whyroad_model::{Lang, Nanos};
@@ -34,6 +34,7 @@ pub(super) fn resolve(cutter: &Cutter<'_>, candidate: &Candidate<'_>) -> Result<
         }
         let label = made.label;
         let json = serde_json::to_string(&label).map_err(|e| broken(e.to_string()))?;
+        check_draft(cutter, &json)?;
         return Ok(Resolved { label, json, other: None, draft: true });
     }
     let read = |record: &LabelRecord| {
@@ -42,7 +43,22 @@ pub(super) fn resolve(cutter: &Cutter<'_>, candidate: &Candidate<'_>) -> Result<
     };
     let (label, json) = read(record)?;
     let other = candidate.other.as_ref().map(read).transpose()?;
-    Ok(Resolved { label, json, other, draft: candidate.status == crate::labels::DRAFT })
+    let is_draft = candidate.status == crate::labels::DRAFT;
+    if is_draft {
+        let texts = [Some(&json), other.as_ref().map(|(_, json)| json)];
+        texts.into_iter().flatten().try_for_each(|json| check_draft(cutter, json))?;
+    }
+    Ok(Resolved { label, json, other, draft: is_draft })
+}
+
+/// A draft may lack records that a person has to fill in; with any other error it is not a sample.
+fn check_draft(cutter: &Cutter<'_>, json: &str) -> Result<(), Dropped> {
+    let found = cutter.checker.check_text(json);
+    let codes: Vec<&str> = errors(&found).map(|d| d.code).collect();
+    if codes.is_empty() {
+        return Ok(());
+    }
+    Err(Dropped::with(Stage::Sample, "draft_invalid", codes.join(", ")))
 }
 
 impl Resolved {

@@ -28,6 +28,7 @@ pub struct Causes {
     /// Groups that are not a cause without another thing, unless the row has them.
     pub background: GroupSet,
     by_decision: BTreeMap<&'static str, CauseKinds>,
+    written: BTreeMap<String, Vec<String>>,
 }
 
 impl Causes {
@@ -36,9 +37,14 @@ impl Causes {
         self.by_decision.get(decision)
     }
 
+    /// The kinds of each row as written.
+    pub fn written(&self) -> &BTreeMap<String, Vec<String>> {
+        &self.written
+    }
+
     /// The table as written, and its errors.
     pub(super) fn read(raw: &BTreeMap<String, Vec<String>>, words: &LabelWords) -> (Self, Vec<Bilingual>) {
-        let mut out = Self::default();
+        let mut out = Self { written: raw.clone(), ..Self::default() };
         let mut problems = Vec::new();
         let decisions: Vec<&str> =
             Longitudinal::ALL.iter().map(|d| d.id()).chain(Lateral::ALL.iter().map(|d| d.id())).collect();

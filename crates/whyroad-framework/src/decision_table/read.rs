@@ -6,7 +6,7 @@ use crate::label_words::{GroupSet, LabelWords};
 use crate::taxonomy::did_you_mean;
 use crate::yaml_text;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::yaml::{Mark, Node};
 use whyroad_model::{Bilingual, Diagnostic, ScenarioId};
@@ -93,6 +93,7 @@ pub fn parse(
             format!("'{class}' is not a class{}", also.1),
         );
     }
+    let mut absent: BTreeSet<String> = BTreeSet::new();
     for (l1, l2, l3) in taxonomy.leaves() {
         let id = ScenarioId::leaf(&l1.id, &l2.id, &l3.id);
         let above = raw.classes.get(&format!("{}.{}", l1.id, l2.id)).cloned().unwrap_or_default();
@@ -105,17 +106,27 @@ pub fn parse(
             reveals: own.reveals.or(above.reveals),
         };
         let levels = [id.to_string(), format!("{}.{}", l1.id, l2.id)];
+        // Said once for the L2: without any entry there is nothing to compare the rest with.
+        if whole.longitudinal.is_none() && whole.lateral.is_none() {
+            if absent.insert(levels[1].clone()) {
+                reader.absent(&levels[1]);
+            }
+            table.leaves.insert(id, ClassDecisions::default());
+            continue;
+        }
         let class = reader.class(&levels, &whole);
-        for d in l3
-            .typical_decisions
-            .longitudinal
-            .iter()
-            .filter(|d| class.longitudinal_fit(Some(**d)) == Fit::Impossible)
+        for d in
+            l3.typical_decisions.longitudinal.iter().filter(|d| {
+                whole.longitudinal.is_some() && class.longitudinal_fit(Some(**d)) == Fit::Impossible
+            })
         {
             reader.typical(&id, reader.part(&levels, "longitudinal").map(|n| n.mark), d.id());
         }
-        for d in
-            l3.typical_decisions.lateral.iter().filter(|d| class.lateral_fit(Some(**d)) == Fit::Impossible)
+        for d in l3
+            .typical_decisions
+            .lateral
+            .iter()
+            .filter(|d| whole.lateral.is_some() && class.lateral_fit(Some(**d)) == Fit::Impossible)
         {
             reader.typical(&id, reader.part(&levels, "lateral").map(|n| n.mark), d.id());
         }
@@ -151,6 +162,29 @@ impl<'r> Reader<'r> {
     fn part(&self, levels: &[String; 2], key: &str) -> Option<&'r Node> {
         let classes = self.root.get("classes")?;
         levels.iter().find_map(|class| classes.get(class)?.get(key))
+    }
+
+    /// An L2 whose leaves have no decisions at all.
+    fn absent(&mut self, l2: &str) {
+        let message = Bilingual::new(
+            format!("决策组合表中没有 {l2}"),
+            format!("the decision table has no entry for {l2}"),
+        );
+        let hint = Bilingual::new(
+            format!(
+                "在 classes 中添加：{l2}: {{ longitudinal: {{ usual: […], possible: […] }}, lateral: {{ usual: […], possible: […] }}, about: […] }}"
+            ),
+            format!(
+                "add to classes: {l2}: {{ longitudinal: {{ usual: [...], possible: [...] }}, lateral: {{ usual: [...], \
+                 possible: [...] }}, about: [...] }}"
+            ),
+        );
+        let problem = Diagnostic::error("spec.decisions", message).with_hint(hint);
+        let at = self.root.entries().iter().find(|e| e.key == "classes").map(|e| e.mark);
+        self.out.push(match at {
+            Some(mark) => problem.at(yaml_text::location(self.file, self.text, mark)),
+            None => problem.in_file(self.file),
+        });
     }
 
     fn typical(&mut self, id: &ScenarioId, at: Option<Mark>, decision: &str) {
@@ -312,6 +346,16 @@ mod tests {
         assert!(said("vehicle@standing", "vehicle@sitting").iter().any(|m| m.contains("unknown state")));
         assert!(said("about: [vru]", "about: [vrus]").iter().any(|m| m.contains("has no 'vrus'")));
         assert!(said("usual: [turn/left]", "usual: [turn/up]").iter().any(|m| m.contains("turn/up")));
+        // An L2 without an entry is one finding, with the entry to add.
+        let text = &files[FILE];
+        let at = text.find("  reactive_agent.animal:").unwrap();
+        let end = at + text[at..].find("\n\n").unwrap() + 1;
+        let without = format!("{}{}", &text[..at], &text[end..]);
+        let found = parse(FILE, &without, &f.taxonomy, f.label_words()).1;
+        let of_animal: Vec<_> =
+            found.iter().filter(|d| d.message.en.contains("reactive_agent.animal")).collect();
+        assert_eq!(of_animal.len(), 1, "{of_animal:?}");
+        assert!(of_animal[0].hint.as_ref().is_some_and(|h| h.en.contains("reactive_agent.animal: {")));
         let typical = said(
             "longitudinal: { usual: [resume], possible: [] }",
             "longitudinal: { usual: [none], possible: [] }",

@@ -1,11 +1,11 @@
 //! Two whole frameworks: their classes, labeling specs and mining rules, and for each file that states a version
 //! whether that version is high enough.
 
-use super::{Change, Moves, TaxonomyDiff, VersionCheck, diff, labelling, mining};
+use super::{Change, ChangeKind, Moves, TaxonomyDiff, VersionCheck, diff, labelling, mining, tables};
 use crate::Framework;
+use crate::framework::{DECISION_TABLE, DECISIONS, RECORD_TYPES};
 use crate::version::{Step, Version};
 use serde::Serialize;
-use whyroad_model::ScenarioId;
 
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
 
@@ -39,12 +39,14 @@ impl FileVersion {
     }
 }
 
-/// Compares B with A in everything that affects labels and mining: classes, labeling specs, mining rules.
+/// Compares B with A in everything that affects labels and mining: classes, labeling specs, the tables of decisions and
+/// records, mining rules.
 pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
     let mut out = diff(&a.taxonomy, &b.taxonomy);
     let moves = Moves::of(&out.changes);
     let labelling = labelling::changes(a, b, &moves);
-    let specs: Vec<Change> = labelling.into_iter().chain(mining::changes(a, b, &moves)).collect();
+    let of_classes = labelling.into_iter().chain(mining::changes(a, b, &moves));
+    let specs: Vec<Change> = of_classes.chain(tables::changes(a, b)).collect();
     out.files.extend(files(a, b, &specs));
     out.step = specs.iter().map(|c| c.step).chain([out.step]).max().unwrap_or_default();
     out.version_check = out.files.iter().map(|f| f.version_check).max().unwrap_or(VersionCheck::Unknown);
@@ -52,8 +54,25 @@ pub fn diff_frameworks(a: &Framework, b: &Framework) -> TaxonomyDiff {
     out
 }
 
-/// The file in which a class's labeling and mining are written, with the files above it that it inherits from.
-fn written_in(id: &ScenarioId) -> Vec<String> {
+/// The file in which a change is written, with the files above it that the class inherits from.
+fn written_in(change: &Change) -> Vec<String> {
+    let table = match change.field {
+        Some(
+            tables::LONGITUDINAL
+            | tables::LATERAL
+            | tables::DECIDES
+            | tables::ABOUT
+            | tables::CAUSES
+            | tables::PAIRS,
+        ) => Some(DECISION_TABLE),
+        Some(tables::RECORD_TYPE) => Some(RECORD_TYPES),
+        _ if change.kind == ChangeKind::Decision => Some(DECISIONS),
+        _ => None,
+    };
+    if let Some(table) = table {
+        return vec![table.to_owned()];
+    }
+    let id = &change.id;
     let l1 = format!("scenarios/{}.yaml", id.l1);
     match &id.l2 {
         None => vec![l1],
@@ -64,10 +83,15 @@ fn written_in(id: &ScenarioId) -> Vec<String> {
 /// The files of these changes. A change may come from the class's own file or from the one it inherits from: it counts
 /// for the file whose version was raised, or for the class's own file if neither was.
 fn files(a: &Framework, b: &Framework, changes: &[Change]) -> Vec<FileVersion> {
-    let version = |f: &Framework, file: &str| f.spec_versions.get(file).cloned().unwrap_or_default();
+    let stated = |f: &Framework, file: &str| f.spec_versions.get(file).or(f.file_versions.get(file)).cloned();
+    let version = |f: &Framework, file: &str| stated(f, file).unwrap_or_default();
     let mut out: Vec<FileVersion> = Vec::new();
     for change in changes {
-        let candidates = written_in(&change.id);
+        let candidates = written_in(change);
+        // A file that is new has no version to be raised.
+        if candidates.first().is_some_and(|own| stated(a, own).is_none() && stated(b, own).is_some()) {
+            continue;
+        }
         let judged = candidates
             .iter()
             .map(|file| FileVersion::of(file, &version(a, file), &version(b, file), change.step));

@@ -3,7 +3,7 @@
 //! second keyframe), **minor** where something optional is added or a requirement is removed, **patch** for wording.
 
 use super::wording::{Wording, compare_text};
-use super::{Change, ChangeKind, Moves};
+use super::{Change, ChangeKind, Moves, tables};
 use crate::spec::{BoundSpec, KeyframeSpec, MomentSpec, RecordSpec};
 use crate::version::Step;
 use crate::{Framework, ResolvedSpec};
@@ -12,11 +12,11 @@ use whyroad_model::{Bilingual, ScenarioId};
 
 /// One difference between two specs.
 #[derive(Clone, Debug, PartialEq)]
-struct Difference {
-    field: &'static str,
-    before: Bilingual,
-    after: Bilingual,
-    step: Step,
+pub(super) struct Difference {
+    pub field: &'static str,
+    pub before: Bilingual,
+    pub after: Bilingual,
+    pub step: Step,
 }
 
 /// All changes, leaf by leaf in tree order; changes common to all leaves of an L2 or L1 are reported once for that
@@ -24,8 +24,15 @@ struct Difference {
 pub(super) fn changes(a: &Framework, b: &Framework, moves: &Moves) -> Vec<Change> {
     let mut found: BTreeMap<ScenarioId, Vec<Difference>> = BTreeMap::new();
     for (leaf, after) in &b.specs {
-        if let Some(before) = a.specs.get(moves.before(leaf)) {
-            found.insert(leaf.clone(), differences(before, after));
+        let old = moves.before(leaf);
+        if let Some(before) = a.specs.get(old) {
+            let mut all = differences(before, after);
+            for record in after.records.iter().filter(|r| before.records.iter().any(|o| o.id == r.id)) {
+                tables::record(&record.id, &a.record_types, &b.record_types, &mut all);
+            }
+            let [x, y] = [a.decision_table().leaves.get(old), b.decision_table().leaves.get(leaf)];
+            tables::decisions(x, y, &mut all);
+            found.insert(leaf.clone(), all);
         }
     }
     let mut out = Vec::new();

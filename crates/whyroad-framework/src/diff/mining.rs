@@ -16,14 +16,17 @@ pub(super) fn changes(a: &Framework, b: &Framework, moves: &Moves) -> Vec<Change
         match a.rule(moves.before(id)) {
             None => out.push(change(id, Step::Minor).texts("mining", none(), present())),
             Some(old) => {
-                let differences =
-                    blocks(&old.rule, &rule.rule).into_iter().filter(|(_, x, y)| moves.applied(x) != *y);
+                let differences = blocks(&old.rule, &rule.rule)
+                    .into_iter()
+                    .filter(|(_, x, y)| x != y && moves.applied(x) != *y);
                 out.extend(differences.map(|(f, x, y)| change(id, Step::Patch).texts(f, x, y)));
             }
         }
     }
-    for rule in a.rules.iter().filter(|r| b.taxonomy.contains(&r.leaf) && b.rule(&r.leaf).is_none()) {
-        out.push(change(&rule.leaf, Step::Minor).texts("mining", present(), none()));
+    for id in a.rules.iter().map(|rule| moves.after(&rule.leaf)) {
+        if b.taxonomy.contains(id) && b.rule(id).is_none() {
+            out.push(change(id, Step::Minor).texts("mining", present(), none()));
+        }
     }
     out
 }

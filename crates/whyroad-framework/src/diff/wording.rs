@@ -13,7 +13,7 @@ use whyroad_model::Bilingual;
 const CLOSE: f64 = 0.8;
 
 /// Judgment on a pair of texts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Wording {
     /// No relevant difference.
     Same,

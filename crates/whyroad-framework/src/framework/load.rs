@@ -7,18 +7,18 @@ use crate::decisions::read_decisions;
 use crate::spec::raw::LabelingLayer;
 use crate::spec::{ReadSpec, Written, finish, overlay, read_spec};
 use crate::taxonomy::{Taxonomy, read_taxonomy};
-use crate::{DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes};
-use std::collections::BTreeMap;
+use crate::{DraftTexts, LabelWords, Lexicon, Prompts, RecordTypes, yaml_text};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 use whyroad_model::yaml::Entry;
 use whyroad_model::{Bilingual, Diagnostic, Location, ScenarioId};
 
 pub(super) const TAXONOMY: &str = "schema/scenario_taxonomy.yaml";
-const DECISIONS: &str = "schema/driving_decisions.yaml";
+pub(crate) const DECISIONS: &str = "schema/driving_decisions.yaml";
 const LEXICON: &str = "schema/decision_lexicon.yaml";
 const LABEL_WORDS: &str = "schema/label_words.yaml";
-const DECISION_TABLE: &str = "scenarios/decisions.yaml";
-const RECORD_TYPES: &str = "scenarios/records.yaml";
+pub(crate) const DECISION_TABLE: &str = "scenarios/decisions.yaml";
+pub(crate) const RECORD_TYPES: &str = "scenarios/records.yaml";
 const DRAFT_TEXTS: &str = "schema/draft_texts.yaml";
 const SIGNALS: &str = "schema/signals.yaml";
 const PRECEDENCE: &str = "schema/precedence.yaml";
@@ -120,8 +120,19 @@ fn without_reading(files: &BTreeMap<String, String>) -> (Option<Framework>, Vec<
         Some(text) => framework.precedence_yaml.clone_from(text),
         None => out.push(missing_file(PRECEDENCE)),
     }
+    for file in [DECISIONS, DECISION_TABLE, RECORD_TYPES] {
+        let stated = files.get(file).and_then(|text| stated_version(text));
+        framework.file_versions.extend(stated.map(|version| (file.to_owned(), version)));
+    }
     load_specs(files, &mut framework, &mut out);
     (Some(framework), out)
+}
+
+/// The `version` at the head of a file, whatever else is wrong with it.
+fn stated_version(text: &str) -> Option<String> {
+    let stated = text.lines().find_map(|line| line.strip_prefix("version:"))?;
+    let stated = stated.split('#').next()?.trim().trim_matches(['"', '\'']);
+    (!stated.is_empty()).then(|| stated.to_owned())
 }
 
 fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: &mut Vec<Diagnostic>) {
@@ -196,6 +207,46 @@ fn load_specs(files: &BTreeMap<String, String>, framework: &mut Framework, out: 
             }
         }
     }
+    // A table that is absent or cannot be read says nothing about any record.
+    if !framework.record_types.records.is_empty() {
+        record_types(files, &read, framework, out);
+    }
+    framework.record_types.complete(framework.specs.values().flat_map(|spec| &spec.records));
+}
+
+/// Records whose type in `scenarios/records.yaml` is missing or differs from the spec: once where each is written.
+fn record_types(
+    files: &BTreeMap<String, String>,
+    read: &BTreeMap<String, ReadSpec>,
+    framework: &Framework,
+    out: &mut Vec<Diagnostic>,
+) {
+    let specs = framework.specs.values().flat_map(|spec| spec.records.iter().map(move |r| (&spec.leaf, r)));
+    let mut seen: BTreeSet<(&str, usize, usize)> = BTreeSet::new();
+    let mut found = Vec::new();
+    for (leaf, record) in specs {
+        let Some(message) = framework.record_types.disagrees(record) else { continue };
+        let of_l2 = Framework::spec_path(&leaf.l1, leaf.l2.as_deref().unwrap_or_default());
+        let of_l1 = format!("scenarios/{}.yaml", leaf.l1);
+        let written = [of_l2, of_l1].into_iter().find_map(|file| {
+            let (file, spec) = read.get_key_value(&file)?;
+            let (_, mark, pointer) = spec.records.iter().find(|(id, ..)| *id == record.id)?;
+            Some((file, *mark, pointer))
+        });
+        let Some((file, mark, pointer)) = written else { continue };
+        let place = (file.as_str(), mark.line, mark.column);
+        if seen.insert(place) {
+            let hint = Bilingual::new(
+                "在 scenarios/records.yaml 中写明相同的类型：number 的范围、choice 的取值与用词",
+                "state the same type in scenarios/records.yaml: the range of a number, the values of a choice and their words",
+            );
+            let text = files.get(file).map(String::as_str).unwrap_or_default();
+            let at = Location { pointer: Some(pointer.clone()), ..yaml_text::location(file, text, mark) };
+            found.push((place, Diagnostic::warning("spec.record.type", message).with_hint(hint).at(at)));
+        }
+    }
+    found.sort_by_key(|(at, _)| *at);
+    out.extend(found.into_iter().map(|(_, d)| d));
 }
 
 fn expressions(file: &str, text: &str, read: &ReadSpec) -> Vec<ExpressionSource> {
@@ -212,10 +263,32 @@ fn expressions(file: &str, text: &str, read: &ReadSpec) -> Vec<ExpressionSource>
 fn missing_file(path: &str) -> Diagnostic {
     let code = if path.starts_with("scenarios/") { "spec.file.missing" } else { "taxonomy.file.missing" };
     let message = Bilingual::new(format!("缺少文件 '{path}'"), format!("file '{path}' is missing"));
-    let hint = Bilingual::new(
-        "`whyroad taxonomy init` 写出内置框架的全部文件，从中取用",
-        "`whyroad taxonomy init` writes all files of the built-in framework: take it from there",
-    );
+    let bundled = || {
+        Bilingual::new(
+            "`whyroad taxonomy init` 写出内置框架的全部文件，从中取用",
+            "`whyroad taxonomy init` writes all files of the built-in framework: take it from there",
+        )
+    };
+    // A class of a framework folder is in no built-in file.
+    let parts: Vec<&str> =
+        path.trim_start_matches("scenarios/").trim_end_matches(".yaml").split('/').collect();
+    let hint = match parts[..] {
+        _ if code == "taxonomy.file.missing" || Framework::is_bundled_file(path) => bundled(),
+        [l1, l2] => Bilingual::new(
+            format!(
+                "新建该文件：version、l1: {l1}、l2: {l2}、labeling（与 L1 不同之处）、leaves（每个 L3 一项，`{{}}` 表示与 L2 相同）"
+            ),
+            format!(
+                "write it with version, l1: {l1}, l2: {l2}, labeling (what differs from the L1) and leaves (one entry \
+                 per leaf, `{{}}` where it is labeled as the L2)"
+            ),
+        ),
+        [l1] => Bilingual::new(
+            format!("新建该文件：version、l1: {l1}、labeling（keyframe、start、end、pack）"),
+            format!("write it with version, l1: {l1} and labeling (keyframe, start, end, pack)"),
+        ),
+        _ => bundled(),
+    };
     Diagnostic::error(code, message).with_hint(hint).in_file(path)
 }
 

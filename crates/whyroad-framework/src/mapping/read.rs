@@ -22,6 +22,7 @@ pub const MAPPING_CODES: &[&str] = &[
     "mapping.conflict",
     "mapping.condition",
     "mapping.version",
+    "mapping.forgotten",
 ];
 
 static FORM: FormCodes = FormCodes {
@@ -89,6 +90,10 @@ fn document(
     let mut out = ClassMapping { from: from?, to: to?, ..ClassMapping::default() };
     out.changes = written.into_iter().map(|w| (w.of, w.change)).collect();
     out.mark = mark(&out);
+    // What a change with a mistake leaves open is not forgotten.
+    if let (Some(before), Some(node), true) = (before, changes, r.diagnostics.is_empty()) {
+        forgotten(before, after, &out, node, r);
+    }
     Some(out)
 }
 
@@ -246,6 +251,43 @@ fn conflicts(written: &[Written<'_>], r: &mut FileReport<'_>) {
                 format!("{} becomes {to}, which is changed itself; migrate in two steps", w.of),
             );
         }
+    }
+}
+
+/// Classes of labels that are gone after the change although the mapping does not say what becomes of them.
+fn forgotten(
+    before: &Taxonomy,
+    after: &Taxonomy,
+    mapping: &ClassMapping,
+    changes: &Node,
+    r: &mut FileReport<'_>,
+) {
+    for id in before.ids().into_iter().filter(|id| id.l2.is_some()) {
+        let target = match mapping.change(&id) {
+            Some(ClassChange::Split(_)) => continue,
+            Some(ClassChange::To(to)) => to,
+            None => id.clone(),
+        };
+        if after.contains(&target) {
+            continue;
+        }
+        let message = if target == id {
+            Bilingual::new(
+                format!("新的分类体系中没有 {id}，映射也没有写明它变为什么"),
+                format!("{id} is gone, and the mapping does not say what becomes of it"),
+            )
+        } else {
+            Bilingual::new(
+                format!("{id} 按映射变为 {target}，新的分类体系中没有这一类别"),
+                format!("{id} becomes {target} by the change of a class above it, which is not a class"),
+            )
+        };
+        let hint = Bilingual::new(
+            "为它写一项 rename、merge 或 split；取消的类别并入其上级（merge: [它], to: 上级）",
+            "add a rename, merge or split for it; labels of a retired class go to the class above it (merge: [ID], \
+             to: L2)",
+        );
+        r.error_with_hint("mapping.forgotten", changes, message, hint);
     }
 }
 

@@ -75,3 +75,22 @@ fn the_versions_must_fit_the_taxonomy_in_force() {
     let found = read_mapping("m.yaml", &text, Some(after), after).unwrap_err();
     assert_eq!((found[0].code, found[0].location.line), ("mapping.class", Some(4)));
 }
+
+#[test]
+fn with_both_sides_known_no_class_is_forgotten() {
+    // The classes after the change are those of the built-in framework without one leaf.
+    let before = &Framework::bundled().taxonomy;
+    let mut after = before.clone();
+    let agents = after.l1.iter_mut().find(|a| a.id == "reactive_agent").unwrap();
+    let cutin = agents.l2.iter_mut().find(|b| b.id == "cutin").unwrap();
+    cutin.l3.retain(|c| c.id != "slow");
+    let with = |changes: &str| {
+        let text = format!("from: {v}\nto: {v}\nchanges:{changes}\n", v = before.version);
+        read_mapping("m.yaml", &text, Some(before), &after)
+    };
+    let found = with(" []").unwrap_err();
+    let said: Vec<(&str, bool)> =
+        found.iter().map(|d| (d.code, d.message.en.contains("reactive_agent.cutin.slow"))).collect();
+    assert_eq!(said, [("mapping.forgotten", true)]);
+    assert!(with("\n  - merge: [reactive_agent.cutin.slow]\n    to: reactive_agent.cutin").is_ok());
+}

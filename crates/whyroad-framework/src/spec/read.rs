@@ -34,6 +34,8 @@ pub(crate) struct ReadSpec {
     pub l2_mining: Option<Entry>,
     /// Every expression of the labeling blocks.
     pub expressions: Vec<Written>,
+    /// Id and position of every record of the labeling blocks.
+    pub records: Vec<(String, Mark, String)>,
 }
 
 /// Reads one file and checks it against the classes.
@@ -85,6 +87,7 @@ fn document(root: &Node, taxonomy: &Taxonomy, r: &mut FileReport) -> Option<Read
         leaf_marks: IndexMap::new(),
         mining: IndexMap::new(),
         expressions: expressions(root),
+        records: written_records(root),
     };
     if let (Some(l2), Some(node)) = (&out.spec.l2, leaves_node) {
         let mut leaves = IndexMap::new();
@@ -101,6 +104,15 @@ fn document(root: &Node, taxonomy: &Taxonomy, r: &mut FileReport) -> Option<Read
         out.spec.leaves = Some(leaves);
     }
     usable.then_some(out)
+}
+
+/// Id, position and pointer of each record, of the L2 or L1 first.
+fn written_records(root: &Node) -> Vec<(String, Mark, String)> {
+    let leaves = root.get("leaves").map_or(&[][..], Node::entries).iter().map(|e| &e.node);
+    let labeling = std::iter::once(root).chain(leaves).filter_map(|level| level.get("labeling"));
+    let records = labeling.filter_map(|l| l.get("records")).flat_map(Node::items);
+    let one = |n: &Node| Some((n.get("id")?.text()?.trim().to_owned(), n.mark, n.pointer.clone()));
+    records.filter_map(one).collect()
 }
 
 /// A `mining:` block as its schema describes it; whyroad-mining finds its errors.

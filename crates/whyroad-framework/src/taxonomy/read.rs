@@ -1,6 +1,7 @@
 //! `schema/scenario_taxonomy.yaml` (DATA_FORMAT.md 2.1 with our optional additions) to a [`Taxonomy`], with
 //! every problem reported and everything readable kept.
 
+use super::agreement;
 use super::{Decides, L1, L2, L3, Taxonomy, TypicalDecisions, did_you_mean, suggestion};
 use crate::version::Version;
 use crate::yaml_text;
@@ -24,8 +25,10 @@ pub fn read_taxonomy(file: &str, text: &str) -> (Option<Taxonomy>, Vec<Diagnosti
     let taxonomy = yaml_text::parse(&mut report, text).and_then(|root| {
         let mut reading = Reading { report: &mut report, against: Vec::new(), nodes: BTreeMap::new() };
         let taxonomy = reading.document(&root)?;
-        let against = reading.against;
+        let (against, nodes) = (reading.against, reading.nodes);
         check_against(&taxonomy, &against, &mut report);
+        agreement::decides(&taxonomy, &against, &mut report);
+        agreement::named_classes(&taxonomy, &nodes, &mut report);
         Some(taxonomy)
     });
     (taxonomy, report.diagnostics)
@@ -36,7 +39,7 @@ struct Reading<'r, 't, 'n> {
     /// `decides.against` references, checked once all classes are known: (the class that states it, the id, its
     /// position).
     against: Vec<(ScenarioId, ScenarioId, &'n Node)>,
-    /// Where each L1 and L2 was written, by full id.
+    /// Where each class was written, by full id.
     nodes: BTreeMap<String, &'n Node>,
 }
 
@@ -162,7 +165,9 @@ impl<'n> Reading<'_, '_, 'n> {
         let decides = f.list("decides", r);
         f.close(r);
         let id = id?;
-        let decides = self.decides(&ScenarioId::leaf(l1, &l2.id, &id), decides);
+        let owner = ScenarioId::leaf(l1, &l2.id, &id);
+        self.nodes.insert(owner.to_string(), node);
+        let decides = self.decides(&owner, decides);
         let condition = condition.unwrap_or_default();
         let definition = definition.unwrap_or_else(|| {
             // DATA_FORMAT.md 2.1 has no definition of an L3, so this is a warning; the condition is used instead.

@@ -27,6 +27,9 @@ const MUCH_SLOWER_MPS: f64 = 1.0;
 const MOVING_OFF_MPS: f64 = 0.2;
 const MOVING_OFF_MPS2: f64 = 0.3;
 
+/// Minimum speed towards the middle of the ego's lane of a road user that plainly enters it, m/s.
+const ENTERING_MPS: f64 = 0.3;
+
 /// A road user that is faster than this does not stand, m/s: half of a slow walk.
 const MOVING_MPS: f64 = 0.4;
 
@@ -198,14 +201,23 @@ impl Scene<'_> {
         let number = |name: &str| signals.target_columns.get(name).and_then(|c| c.number(row));
         let holds = |name: &str| signals.target_columns.get(name).is_some_and(|c| c.flag(row).is_true());
         let is_lead = holds("target.is_lead");
-        let crosses_a_line =
-            holds("target.wheel_over_line") || number("target.lane_lateral_speed").is_some_and(|v| v > 0.3);
+        let crosses_a_line = holds("target.wheel_over_line")
+            || number("target.lane_lateral_speed").is_some_and(|v| v > ENTERING_MPS);
         let (ahead, aside) = (number("target.longitudinal")?, number("target.lateral")?);
         let turned = number("target.heading_difference").map(f64::abs);
         let same_way = turned.is_some_and(|a| a < 45_f64.to_radians());
         // Opposite headings within 45 degrees; in a hairpin bend, a lead has one too.
         let oncoming = !is_lead && turned.is_some_and(|a| a > 135_f64.to_radians());
-        let comes_in = crosses_a_line && !is_lead && !oncoming;
+        // One whose center is in the lane already only comes in while it still moves towards the middle; one that is
+        // partly in it and moves away leaves it.
+        let is_inside = holds("target.in_ego_lane") || holds("target.is_follower");
+        let enters = match number("target.lane_lateral_speed") {
+            towards if is_inside => {
+                holds("target.wheel_over_line") && towards.is_some_and(|v| v > ENTERING_MPS)
+            }
+            towards => crosses_a_line && towards.is_none_or(|v| v > 0.0),
+        };
+        let comes_in = enters && !is_lead && !oncoming;
         // In a bend a lead is on a side of the ego and turned, and in its lane nevertheless.
         let in_lane = number("target.lane_centre_distance").is_some_and(|m| m < FROM_A_SIDE_M);
         let place = if is_lead && same_way && !crosses_a_line && ahead > BESIDE_M {

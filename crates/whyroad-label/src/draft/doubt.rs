@@ -125,6 +125,10 @@ pub enum Doubt {
     AgainstRed,
     /// Every wording states something that the recording contradicts.
     Words,
+    /// The class has no texts that say what it is about and why that calls for this decision.
+    Texts,
+    /// The label checks find errors in the draft.
+    Checks,
 }
 
 impl Doubt {
@@ -176,6 +180,11 @@ impl Doubt {
                 "可用的写法都与记录的运动或灯色不符",
                 "the recorded motion or light contradicts every wording",
             ),
+            Self::Texts => (
+                "场景没有说明这一决策起因的草稿文本；请在 schema/draft_texts.yaml 的 classes 中补充",
+                "the class has no texts for the cause of this decision: add them under classes in schema/draft_texts.yaml",
+            ),
+            Self::Checks => ("标签校验在草稿中发现错误", "the label checks find errors in the draft"),
         };
         Bilingual::new(zh, en)
     }

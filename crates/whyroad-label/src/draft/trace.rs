@@ -3,6 +3,7 @@
 
 use super::change::ALIKE_MPS;
 use super::components::is_light;
+use super::doubt::Doubt;
 use super::moment::Moment;
 use super::motion::LongitudinalMotion;
 use super::wording::{backwards, capital, fits, names_twice, repeats, wanted, without_side};
@@ -192,11 +193,11 @@ struct Told {
 }
 
 /// The trace with the phrasings that `seed` selects, of the preferred length: with the ego's motion at the keyframe if
-/// there is room, and with fewer components in the state if there is not. `None` where the signals contradict a claim
+/// there is room, and with fewer components in the state if there is not. A doubt where the signals contradict a claim
 /// of each of them.
 ///
 /// `order`, `along`: order of the components, and the index of the one that causes the longitudinal decision, which is
-/// not left out.
+/// not left out. Without a component or a reason the text would not say why: there is none.
 pub(super) fn trace(
     facts: &DraftFacts<'_>,
     (order, along): (StateOrder, usize),
@@ -204,9 +205,12 @@ pub(super) fn trace(
     keyframe: usize,
     moment: &Moment<'_>,
     seed: u64,
-) -> Option<Written> {
+) -> Result<Written, Doubt> {
     let choice = Choice::of(seed);
     let reasons = facts.reason(moment);
+    if reasons.is_none() || facts.components.is_empty() {
+        return Err(Doubt::Texts);
+    }
     let openings = openings(facts, signals, keyframe, moment, choice.opening);
     // The speed is mentioned in few traces, because it affects few decisions.
     let opens = (choice.opening / 8).is_multiple_of(4)
@@ -282,7 +286,8 @@ pub(super) fn trace(
             if n > *wanted.end() { (1, n) } else { (0, wanted.start().saturating_sub(n)) }
         })
     };
-    found.or_else(nearest).map(|t| Written { text: t.text.clone(), things: t.things })
+    let chosen = found.or_else(nearest).ok_or(Doubt::Words)?;
+    Ok(Written { text: chosen.text.clone(), things: chosen.things })
 }
 
 /// Phrasings of the ego's motion at the keyframe, that of `seed` first.

@@ -66,15 +66,16 @@ fn without_explained(episodes: Vec<Episode>, times: &[Nanos], precedence: &Prece
 /// same time, the variant is known. An L2 about the ego alone (a lane change) may have a leaf about a target (the
 /// vehicle overtaken): for any target, the variant is known.
 fn without_resolved(episodes: Vec<Episode>) -> Vec<Episode> {
-    let resolved = |e: &Episode| {
-        e.scenario.l3.is_none()
-            && episodes.iter().any(|o| {
-                !o.matched.intersect(e.matched).is_empty()
-                    && o.scenario.is_leaf()
-                    && o.scenario.is_within(&e.scenario)
-                    && (e.target.is_none() || o.target == e.target)
-            })
-    };
+    let resolved = |e: &Episode| episodes.iter().any(|o| resolves(o, e));
     let keep: Vec<bool> = episodes.iter().map(|e| !resolved(e)).collect();
     episodes.into_iter().zip(keep).filter(|(_, k)| *k).map(|(e, _)| e).collect()
+}
+
+/// `leaf` is the variant of the L2's episode `e`.
+pub(crate) fn resolves(leaf: &Episode, e: &Episode) -> bool {
+    e.scenario.l3.is_none()
+        && !leaf.matched.intersect(e.matched).is_empty()
+        && leaf.scenario.is_leaf()
+        && leaf.scenario.is_within(&e.scenario)
+        && (e.target.is_none() || leaf.target == e.target)
 }

@@ -99,3 +99,17 @@ fn a_denied_condition_holds_above_an_unknown_one_only_with_its_test_of_knowledge
     assert_eq!((part.course.truth, all.course.truth), (Tri::True, Tri::False));
     assert_eq!(truths, [Tri::False, Tri::Unknown]);
 }
+
+#[test]
+fn the_variant_that_mining_reports_instead_of_its_l2_is_named() {
+    // Matches in frames 10 to 14 and 20 to 27; the leaf only where the ego is fast for 0.6 s.
+    let of = |text: &str, class: &str| Rule { scenario: class.parse().unwrap(), ..rule(text) };
+    let l2 = of("ego.speed > 5 m/s", "a.b");
+    let leaf = Rule { min_duration: Nanos(600_000_000), ..of("ego.speed > 5 m/s", "a.b.c") };
+    let other = of("ego.speed > 5 m/s", "a.x.c");
+    let leaves = [l2.clone(), leaf, other];
+    assert!(variants(&l2, &leaves, &table(), 10).is_empty());
+    let found = variants(&l2, &leaves, &table(), 20);
+    let found: Vec<(String, usize)> = found.iter().map(|e| (e.scenario.to_string(), e.keyframe)).collect();
+    assert_eq!(found, [("a.b.c".to_owned(), 20)]);
+}

@@ -56,6 +56,9 @@ pub struct Checker<'a> {
     pub roles: RoleNames,
     /// The current meaning of `target.`.
     meaning: Meaning,
+    /// Only whether a condition is known is asked for, not whether it holds: one that never does, such as `ego.speed <
+    /// 0 m/s within 3 s`, shows where the record ends.
+    asks_if_known: bool,
     /// A definition is being read: it may be used inside `exists`, where there is a second object.
     defining: bool,
     /// Words of definitions, as far as they have been asked for.
@@ -114,6 +117,7 @@ impl<'a> Checker<'a> {
             subject: None,
             roles: RoleNames::default(),
             meaning: Meaning::Role,
+            asks_if_known: false,
             defining: false,
             said: wording::Said::default(),
             worded: Memo::default(),
@@ -128,13 +132,32 @@ impl<'a> Checker<'a> {
         let id = self.lower(expr)?;
         match &self.program.node(id).kind {
             ValueKind::Condition => Ok(id),
-            other => Err(Fault::new(
-                "rule.type",
-                expr.span,
-                format!("此处应为条件，而不是{}", kind_zh(other)),
-                format!("expected a condition, not {}", kind_en(other)),
-            )
-            .hint("请与某个值比较，例如 > 5 m/s", "compare it with something, as in > 5 m/s")),
+            other => {
+                let fault = Fault::new(
+                    "rule.type",
+                    expr.span,
+                    format!("此处应为条件，而不是{}", kind_zh(other)),
+                    format!("expected a condition, not {}", kind_en(other)),
+                );
+                Err(match other {
+                    ValueKind::Number(dimension) => {
+                        let unit = dimension.base().symbol;
+                        let such = if unit.is_empty() { "> 5".to_owned() } else { format!("> 5 {unit}") };
+                        fault.hint(
+                            format!("请与某个值比较，例如 {such}"),
+                            format!("compare it with something, as in {such}"),
+                        )
+                    }
+                    ValueKind::Category(names) => {
+                        let such = format!("== {}", names.first().map_or("", String::as_str));
+                        fault.hint(
+                            format!("请与某个取值比较，例如 {such}"),
+                            format!("compare it with one of its values, as in {such}"),
+                        )
+                    }
+                    ValueKind::Condition => fault,
+                })
+            }
         }
     }
 
@@ -219,8 +242,10 @@ impl<'a> Checker<'a> {
             }
             ExprKind::In(of, members) => self.membership(of, members),
             ExprKind::Known(of) => {
-                let id = self.lower(of)?;
-                Ok(self.flag(Op::Known(id)))
+                let outer = std::mem::replace(&mut self.asks_if_known, true);
+                let id = self.lower(of);
+                self.asks_if_known = outer;
+                Ok(self.flag(Op::Known(id?)))
             }
             ExprKind::For(of, time) => {
                 let (id, time) = (self.condition(of)?, self.duration(time)?);

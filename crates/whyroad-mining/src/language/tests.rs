@@ -249,17 +249,32 @@ fn conditions_that_exclude_each_other_are_refused() {
         "ego.accel < -3 m/s2 and (ego.brake and ego.accel > -1 m/s2)",
         "ego.standstill and not ego.standstill",
         "ego.lane_change == left and ego.lane_change == right",
+        // Beyond what the number can be: a share of a time, a magnitude, a count, a speed over ground.
+        "share(ego.standstill, 3 s) > 50",
+        "share(ego.standstill, 3 s) > 1",
+        "abs(ego.accel) < 0 m/s2",
+        "ego.speed < 0 m/s",
+        "-1 km/h >= ego.speed",
+        "max(ego.speed, 3 s) < 0 m/s",
+        "count(target.gap < 20 m) < 0",
     ] {
         let fault = fault(never);
         assert_eq!(fault.code, "rule.never", "{never}");
         assert!(fault.hint.is_some());
     }
     for possible in [
-        "ego.speed < 0 m/s or ego.speed > 1 m/s",
+        "ego.speed < 1 m/s or ego.speed > 2 m/s",
         "ego.speed >= 36 km/h and ego.speed <= 10 m/s",
         "(ego.speed < 1 m/s within 3 s) and ego.speed > 2 m/s",
         "ego.lane_change == left and ego.lane_change in { left, right }",
         "ego.speed != 1 m/s and ego.speed == 2 m/s",
+        "share(ego.standstill, 3 s) >= 1",
+        "ego.speed <= 0 m/s",
+        "ego.forward_speed < 0 m/s",
+        "count(target.gap < 20 m) == 0",
+        // Where the record begins and ends, as the built-in rules write it.
+        "previously(ego.speed < 0 m/s, 2 s) is unknown",
+        "(ego.speed < 0 m/s within 2 s) is unknown",
         "min(ego.speed, 3 s) < 1 m/s and ego.speed > 2 m/s",
     ] {
         check(possible).unwrap_or_else(|fault| panic!("{possible}: {fault:?}"));

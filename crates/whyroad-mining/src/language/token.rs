@@ -111,6 +111,10 @@ impl Lexer<'_> {
             '“' | '”' | '‘' | '’' | '"' | '\'' | '「' | '」' => fault
                 .hint("规则中不用引号，名称直接写", "a rule has no quotation marks: write names as they are"),
             '、' | '；' | ';' => fault.hint("并列用逗号 ,", "items are separated by a comma ,"),
+            '，' => fault.hint(
+                "参数之间用半角逗号 ,；条件之间写作 and",
+                "arguments are separated by a half-width comma ,; conditions are joined by `and`",
+            ),
             c => match half_width(c) {
                 Some(plain) => fault
                     .hint(format!("请用半角字符 {plain}"), format!("write the half-width character {plain}")),

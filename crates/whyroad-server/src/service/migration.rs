@@ -36,6 +36,8 @@ pub enum MigrationRun {
 pub struct MigratedStore {
     /// Number of tasks whose class has a new id, by class before and after.
     pub moved: BTreeMap<(String, String), u64>,
+    /// Number of tasks of which only secondary classes changed.
+    pub secondary: u64,
     /// Tasks whose label a person must decide.
     pub undecided: Vec<UndecidedTask>,
     /// Project settings that refer to a split class and were not changed: project, setting, class.
@@ -138,9 +140,10 @@ fn one(
     let class = match (&of_task, &draft) {
         (None, _) => t.episode.scenario_id.clone(),
         (Some(ClassChange::To(to)), _) => to.clone(),
-        (Some(ClassChange::Split(_)), Carried::Moved { to, .. } | Carried::Undecided { to, .. }) => {
-            to.clone()
-        }
+        (
+            Some(ClassChange::Split(_)),
+            Carried::Moved { to, .. } | Carried::Undecided { to, .. } | Carried::Secondary { class: to },
+        ) => to.clone(),
         (Some(ClassChange::Split(_)), Carried::Same) => t.episode.scenario_id.clone(),
     };
     if draft == Carried::Same && initial == Carried::Same && class == t.episode.scenario_id {
@@ -154,6 +157,7 @@ fn one(
         Carried::Moved { from, to } | Carried::Undecided { from, to, .. } => {
             (from.to_string(), to.to_string())
         }
+        Carried::Secondary { class } => (class.to_string(), class.to_string()),
         Carried::Same => (from, class.to_string()),
     };
     let mut note = format!("{from} -> {to}; {} -> {} [{}]", mapping.from, mapping.to, mapping.mark);
@@ -161,7 +165,7 @@ fn one(
     let undecided = match &draft {
         Carried::Undecided { to, parts, .. } if !handed_in && parts == std::slice::from_ref(to) => None,
         Carried::Undecided { from, parts, .. } => Some((from, parts)),
-        Carried::Same | Carried::Moved { .. } => None,
+        Carried::Same | Carried::Moved { .. } | Carried::Secondary { .. } => None,
     };
     if let Some((from, parts)) = undecided {
         let parts: Vec<String> = parts.iter().map(ToString::to_string).collect();
@@ -186,6 +190,8 @@ fn one(
             t.lease_until = None;
             t.audited = false;
         }
+    } else if from == to {
+        out.secondary += 1;
     } else {
         *out.moved.entry((from, to)).or_default() += 1;
     }

@@ -79,6 +79,7 @@ struct Written<'n> {
     kind: (String, &'n Node),
     unit: Option<(String, &'n Node)>,
     scale: Option<(f64, &'n Node)>,
+    least: Option<f64>,
     values: (Vec<String>, Option<&'n Node>),
     needs: (Vec<Need>, &'n Node),
     title: Option<Bilingual>,
@@ -108,6 +109,7 @@ fn written<'n>(node: &'n Node, report: &mut FileReport<'_>) -> Option<Written<'n
     // The unit of a pure number is the empty text.
     let unit = f.get("unit").and_then(|n| Some((n.text()?.to_owned(), n)));
     let scale = f.get("scale").and_then(|n| Some((scale(n, report)?, n)));
+    let least = f.get("least").and_then(|n| least(n, report));
     let values_node = f.get("values");
     let values = values_node.map_or_else(Vec::new, |n| texts(n, report));
     let needs_node = f.need("needs", report);
@@ -124,6 +126,7 @@ fn written<'n>(node: &'n Node, report: &mut FileReport<'_>) -> Option<Written<'n
         kind: (kind?, kind_node?),
         unit,
         scale,
+        least,
         values: (values, values_node),
         needs: (needs?, needs_node?),
         title,
@@ -160,6 +163,18 @@ fn scale(node: &Node, report: &mut FileReport<'_>) -> Option<f64> {
     if value.is_none() {
         let (zh, en) =
             (format!("scale '{text}' 不是正数"), format!("the scale '{text}' is not a positive number"));
+        report.error("signals.type", node, zh, en);
+    }
+    value
+}
+
+/// `least`: a number in the unit of the signal.
+fn least(node: &Node, report: &mut FileReport<'_>) -> Option<f64> {
+    let text = report.text(node)?;
+    let value = text.parse::<f64>().ok().filter(|v| v.is_finite());
+    if value.is_none() {
+        let (zh, en) =
+            (format!("least '{text}' 不是数"), format!("the least value '{text}' is not a number"));
         report.error("signals.type", node, zh, en);
     }
     value
@@ -230,6 +245,7 @@ fn resolve(w: Written<'_>, report: &mut FileReport<'_>) -> Option<SignalDef> {
         needs: w.needs.0,
         source: w.source,
         scale: w.scale.map_or(1.0, |(s, _)| s * to_base),
+        least: w.least.map(|v| v * to_base),
         aliases: w.aliases,
     })
 }

@@ -11,8 +11,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_label::facts::LabelStage;
-use whyroad_model::messages::CocLabel;
-use whyroad_model::{DriveId, ScenarioId};
+use whyroad_model::messages::{CocLabel, Provenance, ProvenanceSource};
+use whyroad_model::{DriveId, Lang, ScenarioId};
 use whyroad_report::comparison::{AcceptedMoment, PageHead, SharedClasses, compare, render, render_page};
 use whyroad_report::verdicts::{self, VerdictLine};
 
@@ -126,15 +126,31 @@ fn accepted(
         let moments = verdicts.iter().filter_map(VerdictLine::moment);
         return Ok(moments.filter(|m| drives.contains(&m.drive)).collect());
     }
-    let mut out = Vec::new();
+    let (mut out, mut drafts) = (Vec::new(), 0);
     for (i, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
         let label: CocLabel = serde_json::from_str(line).with_context(|| format!("{source}:{}", i + 1))?;
+        // A draft is accepted by nobody.
+        let by_program =
+            |p: &Provenance| matches!(p.source, ProvenanceSource::Rule | ProvenanceSource::Model);
+        if label.provenance.as_ref().is_some_and(by_program) {
+            drafts += 1;
+            continue;
+        }
         let of = label.scenario;
         // A clip is named by its drive and a number: <drive>_000.
         let drive = label.clip_id.rsplit_once('_').map(|(drive, _)| DriveId::from(drive));
         if let Some(drive) = drive.filter(|d| drives.contains(d)) {
             let scenario = ScenarioId { l1: of.l1, l2: Some(of.l2), l3: of.l3 };
             out.push(AcceptedMoment { drive, scenario, keyframe: label.keyframe.timestamp });
+        }
+    }
+    if drafts > 0 {
+        match global.lang {
+            Lang::Zh => say!("{source}：{drafts} 个草稿未经人工接受，不用于比较"),
+            Lang::En => say!(
+                "{source}: {} accepted by nobody and not used",
+                if drafts == 1 { "1 draft was".to_owned() } else { format!("{drafts} drafts were") }
+            ),
         }
     }
     Ok(out)

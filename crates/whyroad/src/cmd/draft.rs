@@ -20,12 +20,12 @@ use whyroad_engine::label_drives::LabelDrives;
 use whyroad_engine::recordings::LakeRecordings;
 use whyroad_framework::{Framework, Resolution};
 use whyroad_label::check::{Checker, Recordings as _};
-use whyroad_label::draft::{Doubt, draft_with_seed};
+use whyroad_label::draft::{Doubt, MISSING_RECORD, draft_with_seed, errors};
 use whyroad_lake::{Lake, MinedFolder};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::messages::{CocLabel, EpisodeFilter, EpisodeRecord};
 use whyroad_model::scene::MediaFrame;
-use whyroad_model::{Bilingual, Diagnostic, Drive, Lang, counted};
+use whyroad_model::{Bilingual, Diagnostic, Drive, Lang, Location, counted};
 
 /// Arguments of `whyroad draft`.
 #[derive(clap::Args)]
@@ -71,8 +71,6 @@ pub(crate) struct Args {
 /// One episode's draft with the findings of the checks, or why it has no draft.
 type Made = Result<(CocLabel, Vec<Diagnostic>), Left>;
 
-/// The code of a record that a person has to fill in, because the drive does not show it.
-const MISSING_RECORD: &str = "label.record.missing";
 /// Further phrasings that are tried where the checks object to a draft by rule.
 const OTHER_PHRASINGS: u64 = 3;
 
@@ -103,6 +101,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut doubts: BTreeMap<Doubt, usize> = BTreeMap::new();
     for one in made {
         match one {
+            // A program's label with errors is no start for anyone: it would not validate.
+            Ok((label, findings)) if errors(&findings).next().is_some() => {
+                *doubts.entry(Doubt::Checks).or_default() += 1;
+                let of = format!("{} @ {}", label.clip_id, label.keyframe.timestamp);
+                let placed: Vec<_> = errors(&findings).map(|d| unwritten(d, &of)).collect();
+                tell_all(&placed, global.lang);
+            }
             Ok((label, findings)) => {
                 written += 1;
                 // A record that the drive does not show is no fault of the draft.
@@ -165,6 +170,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 fn in_line(mut d: Diagnostic, out: &Path, line: usize) -> Diagnostic {
     d.location.line = Some(line);
     d.in_file(out.display().to_string())
+}
+
+/// The finding in a draft that is not written: its text has no place in any file.
+fn unwritten(d: &Diagnostic, of: &str) -> Diagnostic {
+    let location = Location { pointer: d.location.pointer.clone(), ..Location::default() };
+    Diagnostic { location, ..d.clone() }.in_file(of.to_owned())
 }
 
 /// Number of episodes without a draft because of the observations, by reason; nothing where there are none.
@@ -369,7 +380,6 @@ impl Images for LakeImages {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whyroad_model::Location;
 
     fn finding(code: &'static str, pointer: &str) -> Diagnostic {
         let location = Location {

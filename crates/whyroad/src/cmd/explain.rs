@@ -21,7 +21,7 @@ use whyroad_framework::Framework;
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_lake::Lake;
 use whyroad_mining::RuleSet;
-use whyroad_mining::explain::{Explanation, explain, explain_match};
+use whyroad_mining::explain::{Explanation, Outcome, explain, explain_match, variants};
 use whyroad_mining::language::check::nearest;
 use whyroad_mining::rule::{OTHER, Rule};
 use whyroad_model::scene::FRAME_RATE_HZ;
@@ -72,6 +72,16 @@ struct Shown<'a> {
     missing: Vec<Bilingual>,
     /// For `other`: the decision moments of the clip.
     moments: Option<moments::Moments>,
+    /// For an L2 that matched: the leaves that mining reports instead, with the frames of the clip of their keyframes.
+    variants: Vec<Variant>,
+}
+
+/// A leaf whose episode takes the place of its L2's.
+struct Variant {
+    class: ScenarioId,
+    title: Bilingual,
+    /// Frame of the clip; unset where the keyframe is in another clip.
+    frame: Option<usize>,
 }
 
 impl Shown<'_> {
@@ -100,14 +110,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let rule = match (&args.rule, &args.class) {
         (Some(rule), _) => {
             let custom = CustomRule { rule, name: None, target: None };
-            custom.compile(&catalog)?.map(|(rule, _)| rule)
+            custom.compile(&catalog)?.map(|(rule, _)| (rule, Vec::new()))
         }
         (None, Some(class)) => rule_of(class, &framework, &catalog),
         // clap asks for one of them.
         (None, None) => Err(vec![]),
     };
-    let rule = match rule {
-        Ok(rule) => rule,
+    let (rule, rules) = match rule {
+        Ok(found) => found,
         Err(found) => {
             for d in &found {
                 tell!("{}", render_text(d, global.lang));
@@ -165,6 +175,13 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     };
     let times = &drive.times[clip.start..clip.end];
     let times_s: Vec<f64> = times.iter().map(|t| t.seconds_since(times[0])).collect();
+    let matched = explanation.moment.filter(|_| explanation.outcome == Outcome::Matched);
+    let leaves = matched.map(|frame| variants(&rule, &rules, &table, clip.start + frame));
+    let leaves = leaves.into_iter().flatten().map(|leaf| Variant {
+        title: named(&framework, &leaf.scenario),
+        class: leaf.scenario,
+        frame: clip.contains(leaf.keyframe).then(|| leaf.keyframe - clip.start),
+    });
     let shown = Shown {
         class: &rule.scenario,
         title: named(&framework, &rule.scenario),
@@ -173,6 +190,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         explanation: &explanation,
         missing: explanation.missing.iter().map(|name| catalog.title(name)).collect(),
         moments,
+        variants: leaves.collect(),
     };
     args.print.put(&json::document(&shown), || text::render(&shown, global.lang))?;
     if let Some(file) = &args.svg {
@@ -200,7 +218,12 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 }
 
 /// The rule of a class of the framework, or the one for decision moments.
-fn rule_of(class: &str, framework: &Framework, catalog: &Catalog) -> Result<Rule, Vec<Diagnostic>> {
+/// With all rules.
+fn rule_of(
+    class: &str,
+    framework: &Framework,
+    catalog: &Catalog,
+) -> Result<(Rule, Vec<Rule>), Vec<Diagnostic>> {
     let (rules, faults) = RuleSet::of_framework(framework, catalog);
     let rules = rules.with_decision_moments(catalog);
     let class = match framework.taxonomy.resolve(class) {
@@ -212,21 +235,34 @@ fn rule_of(class: &str, framework: &Framework, catalog: &Catalog) -> Result<Rule
             return Err(vec![class_not_found(class, &near)]);
         }
     };
-    rules.rules.into_iter().find(|r| r.scenario == class).ok_or_else(|| {
-        let message = Bilingual::new(format!("{class} 没有挖掘规则"), format!("{class} has no mining rule"));
-        let hint = if class.l3.is_some() {
-            Bilingual::new(
-                "为它编写 `mining:` 块（docs/reference/rules.md），或用 `mine --rule` 查找",
-                "write a `mining:` block for it (docs/reference/rules.md), or search by `mine --rule`",
-            )
+    let rule = rules.rules.iter().find(|r| r.scenario == class).cloned();
+    rule.map(|rule| (rule, rules.rules)).ok_or_else(|| {
+        // A rule with an error is left out: that is why it is missing.
+        let is_written =
+            framework.rule(&class).is_some_and(|r| class.is_leaf() || r.rule.get("when").is_some());
+        let (message, hint) = if is_written && !faults.is_empty() {
+            let message = Bilingual::new(
+                format!("{class} 的挖掘规则有错误，未使用"),
+                format!("the mining rule of {class} has an error and is not used"),
+            );
+            (message, Bilingual::new("改正下列错误", "correct the errors below"))
         } else {
-            Bilingual::new(
-                "请指明其下的某个 L3 场景；`whyroad taxonomy list` 列出全部",
-                "name one of the leaves below it; `whyroad taxonomy list` lists them",
-            )
+            let message =
+                Bilingual::new(format!("{class} 没有挖掘规则"), format!("{class} has no mining rule"));
+            let hint = if class.is_leaf() {
+                Bilingual::new(
+                    "为它编写 `mining:` 块（docs/reference/rules.md），或用 `mine --rule` 查找",
+                    "write a `mining:` block for it (docs/reference/rules.md), or search by `mine --rule`",
+                )
+            } else {
+                Bilingual::new(
+                    "请指明其下的某个 L3 场景；`whyroad taxonomy list` 列出全部",
+                    "name one of the leaves below it; `whyroad taxonomy list` lists them",
+                )
+            };
+            (message, hint)
         };
         let mut found = vec![Diagnostic::error("mine.scenario.no_rule", message).with_hint(hint)];
-        // A rule with an error is left out: that is why it is missing.
         found.extend(faults);
         found
     })

@@ -314,7 +314,7 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     say!("{}", written(out, global.lang));
     let code = if lost {
         output::lost_input()
-    } else if findings.is_empty() {
+    } else if findings.iter().all(|d| d.severity != Severity::Error) {
         output::FINE
     } else {
         output::FINDINGS

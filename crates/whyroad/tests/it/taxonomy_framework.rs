@@ -115,6 +115,63 @@ fn every_command_reports_faults_of_the_signal_catalog() {
     }
 }
 
+/// docs/how-to/edit-the-framework.md: `validate` exits with 1, other commands with 3 where they would have exited with 0.
+#[test]
+fn an_error_in_a_rule_changes_the_exit_code_of_every_command() {
+    let folder = framework(&[(CUTIN, "[\"target.ttc < urgent_ttc\"]", "[\"target.tcc < urgent_ttc\"]")]);
+    let label = root().join("examples/cutin_urgent_example.json");
+    let label = label.to_str().unwrap();
+    for (args, code) in [
+        (&["validate", label][..], 1),
+        (&["taxonomy", "list"], 3),
+        (&["taxonomy", "show", "cutin.urgent"], 3),
+    ] {
+        let run = whyroad_in(folder.path(), &[&["--framework", "mine"], args].concat());
+        assert_eq!(run.code, code, "{args:?}: {}", run.err);
+        assert_eq!(whyroad_in(folder.path(), args).code, 0, "{args:?} with the built-in framework");
+    }
+    let show = whyroad_in(folder.path(), &["--framework", "mine", "taxonomy", "show", "cutin.urgent"]);
+    assert!(show.out.contains("it has an error and is not used"), "{}", show.out);
+    assert!(show.err.contains("1 error in the rules of the framework"), "{}", show.err);
+}
+
+/// The same page: exit code 1 of `mine` is for faulty rules.
+#[test]
+fn warnings_of_a_framework_change_no_exit_code() {
+    let texts = "schema/draft_texts.yaml";
+    let folder = framework(&[(texts, "\n  reactive_agent.cutin:", "\n  reactive_agent.cut_in:")]);
+    let drive = root().join("examples/drives/multilane");
+    let run = whyroad_in(folder.path(), &["ingest", "sumo", drive.to_str().unwrap(), "--lake", "lake"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let mine = ["--framework", "mine", "mine", "--lake", "lake", "--scenario", "cutin", "--out", "mined"];
+    let run = whyroad_in(folder.path(), &mine);
+    assert!(run.err.contains("warning[lexicon.class]"), "{}", run.err);
+    assert_eq!(run.code, 0, "{}", run.err);
+}
+
+#[test]
+fn migrate_takes_json_lines_and_names_classes_that_do_not_exist() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    assert_eq!(whyroad_in(at, &["taxonomy", "migrate", "mapping.yaml", "--init"]).code, 0);
+    let migrate = |file: &str| {
+        whyroad_in(at, &["taxonomy", "migrate", "mapping.yaml", "--labels", file, "--out", "migrated"])
+    };
+    // One document over many lines: one message, and nothing is written.
+    let pretty = std::fs::read_to_string(root().join("examples/lane_change_example.json")).unwrap();
+    std::fs::write(at.join("pretty.json"), &pretty).unwrap();
+    let run = migrate("pretty.json");
+    assert_eq!((run.code, run.err.matches("JSON Lines").count()), (1, 1), "{}", run.err);
+    assert!(!at.join("migrated/pretty.json").exists());
+    // A class that no taxonomy has any more, and that the mapping does not name.
+    let label: Value = serde_json::from_str(&pretty).unwrap();
+    let gone = label.to_string().replace("\"lane_change\"", "\"lane_changing\"");
+    std::fs::write(at.join("labels.jsonl"), format!("{label}\n{gone}\n")).unwrap();
+    let run = migrate("labels.jsonl");
+    assert_eq!(run.code, 1, "{}", run.err);
+    assert!(run.out.contains("labels.jsonl:2") && !run.out.contains("labels.jsonl:1"), "{}", run.out);
+}
+
 #[test]
 fn lint_shows_a_rule_as_a_person_reads_it() {
     let folder = framework(&[(CUTIN, "[\"target.ttc < urgent_ttc\"]", "[\"target.tcc < urgent_ttc\"]")]);
@@ -152,6 +209,7 @@ const CHANGES: &[(&str, &str, &str)] = &[
     ),
     (CUTIN, "urgent_ttc: { value: 3 s", "urgent_ttc: { value: 4 s"),
     ("scenarios/safety.yaml", "    after_s: 3\n", "    after_s: 2\n"),
+    ("scenarios/records.yaml", "\nrecords:\n", "\nrecords:\n  gap_taken: { type: number, min: 0, max: 100 }\n"),
 ];
 
 #[test]

@@ -4,7 +4,7 @@ use crate::check::view::View;
 use whyroad_framework::RecordTypes;
 use whyroad_framework::check::class_index::Prescribed;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
-use whyroad_framework::record_types::RecordVerdict;
+use whyroad_framework::record_types::{RecordType, RecordVerdict};
 use whyroad_model::label_fields::pointer;
 
 /// Records that the class requires; a document of 2.0 has no place for them.
@@ -60,12 +60,24 @@ pub(in crate::check) fn types(
                     format!("“{zh}”的取值类型不对"),
                     format!("the {en} has a value of the wrong type"),
                 );
-                match unit() {
-                    u if u.is_empty() => words.hint("写文字，或“未知”", "write text, or 'unknown'"),
-                    u => words.hint(
-                        format!("写以 {u} 为单位的数，或“未知”"),
-                        format!("write a number in {u}, or 'unknown'"),
-                    ),
+                match types.records.get(*id) {
+                    Some(RecordType::Number { .. }) => match unit() {
+                        u if u.is_empty() => words.hint("写一个数，或“未知”", "write a number, or 'unknown'"),
+                        u => words.hint(
+                            format!("写以 {u} 为单位的数，或“未知”"),
+                            format!("write a number in {u}, or 'unknown'"),
+                        ),
+                    },
+                    Some(RecordType::Flag { .. }) => {
+                        words.hint("写 true 或 false，或“未知”", "write true or false, or 'unknown'")
+                    }
+                    Some(RecordType::Choice { values, or_text: false, .. }) => {
+                        let ids: Vec<&str> = values.iter().map(|v| v.id.as_str()).collect();
+                        words.one_of(&ids.join("、"), &ids.join(", "))
+                    }
+                    Some(RecordType::Choice { .. } | RecordType::Text) | None => {
+                        words.hint("写文字，或“未知”", "write text, or 'unknown'")
+                    }
                 }
             }),
             RecordVerdict::OutOfRange { min, max } => report(sink, &|| {

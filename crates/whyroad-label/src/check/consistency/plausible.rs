@@ -103,14 +103,13 @@ pub(in crate::check) fn start(
     sink.report(Finding::warning("label.time_range.start", pointer::TIME_RANGE_START_TIMESTAMP), &|| {
         let name = &class.title;
         let due = keyframe.plus_secs(wanted_s);
+        // A start at the keyframe is 0 s before it, not -0.
+        let (due_s, before_s) = (wanted_s.abs(), found_s.abs());
         Words::new(
-            format!(
-                "“{}”的起点应为关键帧前 {:.1} s（{due}），此处为前 {:.1} s",
-                name.zh, -wanted_s, -found_s
-            ),
+            format!("“{}”的起点应为关键帧前 {:.1} s（{due}），此处为前 {:.1} s", name.zh, due_s, before_s),
             format!(
                 "'{}' starts {:.1} s before the keyframe ({due}), but this label {:.1} s",
-                name.en, -wanted_s, -found_s
+                name.en, due_s, before_s
             ),
         )
         .hint("调整起点，或检查场景类别", "move the start, or check the scenario class")

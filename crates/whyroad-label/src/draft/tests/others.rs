@@ -331,3 +331,32 @@ fn who_walks_does_not_stand() {
     assert!(stands.contains("停着不动") && !walks.contains("停着不动"), "{stands} {walks}");
     assert!(!stands.contains("停步") && !stands.contains("碰上"), "{stands}");
 }
+
+#[test]
+fn who_is_in_the_lane_does_not_come_into_it() {
+    // A wide truck behind the ego, a wheel over the line, drifting at 0.08 m/s: `target.in_ego_lane` and the sign of
+    // `target.lane_lateral_speed` (towards the middle) are as schema/signals.yaml defines them.
+    let told = |inside: bool, follows: bool, towards_mps: f64| {
+        let drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        flag(&mut signals, "target.wheel_over_line", true);
+        flag(&mut signals, "target.in_ego_lane", inside);
+        flag(&mut signals, "target.is_follower", follows);
+        flag(&mut signals, "target.is_lead", false);
+        of_target(&mut signals, "target.longitudinal", -12.0);
+        of_target(&mut signals, "target.lateral", 0.2);
+        of_target(&mut signals, "target.heading_difference", 0.0);
+        of_target(&mut signals, "target.speed", 8.0);
+        of_target(&mut signals, "target.lane_lateral_speed", towards_mps);
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = "reactive_agent.following.steady".parse().unwrap();
+        let all = components(Framework::bundled(), &drive, &signals, &episode, Lang::En);
+        all.iter().map(|c| c.description.clone()).collect::<Vec<_>>().join("|")
+    };
+    let comes = |told: &str| told.contains("is coming into the ego's lane");
+    assert!(!comes(&told(true, true, 0.08)), "{}", told(true, true, 0.08));
+    assert!(!comes(&told(true, false, 0.08)), "{}", told(true, false, 0.08));
+    assert!(!comes(&told(false, false, -0.5)), "who moves away from the middle leaves");
+    assert!(comes(&told(false, false, 0.5)), "{}", told(false, false, 0.5));
+    assert!(comes(&told(true, false, 0.5)), "the rest of it is still coming");
+}

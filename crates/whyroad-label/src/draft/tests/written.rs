@@ -288,3 +288,29 @@ fn hard_braking_is_not_smooth() {
         assert!(!en.is_empty() && !en.contains("smooth"), "{en}");
     }
 }
+
+#[test]
+fn a_class_without_texts_of_its_own_has_no_draft() {
+    // LABELING.md 7: a trace states why. A class of a framework folder without an entry in draft_texts.yaml has neither
+    // a component nor a reason for a decision.
+    let mut files = Framework::bundled_files();
+    let file = "schema/draft_texts.yaml";
+    let text =
+        files[file].replace("\n  reactive_road.geometry_adaptation", "\n  reactive_road.other_adaptation");
+    files.insert(file.into(), text);
+    let bare = Framework::from_files(&files).0.unwrap();
+    let made = |framework: &Framework, after: u16| {
+        let drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        with_motion(&mut signals, |f| if f < 45 { 2 } else { after });
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = "reactive_road.geometry_adaptation.narrow".parse().unwrap();
+        episode.target_id = None;
+        draft(framework, &drive, &signals, &episode, Lang::Zh)
+    };
+    assert_eq!(made(Framework::bundled(), 1).doubt, None);
+    let without = made(&bare, 1);
+    assert_eq!(without.doubt, Some(Doubt::Texts));
+    assert!(without.label.coc_trace.is_empty());
+    assert!(Doubt::Texts.text().en.contains("draft_texts.yaml"));
+}

@@ -153,6 +153,18 @@ impl Checker<'_> {
             )
             .hint("例如 count(target.gap < 20 m) >= 2", "as in count(target.gap < 20 m) >= 2"));
         };
+        if n == 0 && op == CompareOp::Less && !self.asks_if_known {
+            return Err(Fault::new(
+                "rule.never",
+                count.span.to(number.span),
+                "这个条件永远不会成立",
+                "this condition is never true",
+            )
+            .hint(
+                "个数不会小于 0；一个也没有写作 count(…) == 0",
+                "a count is never less than 0; none at all is count(...) == 0",
+            ));
+        }
         let ExprKind::Call(name, arguments) = &count.kind else { return self.lower(count) };
         let counted = self.counted(name, arguments, count.span)?;
         let (n, over) = (self.at_least(counted, n), self.at_least(counted, n + 1));

@@ -75,7 +75,12 @@ impl Checker<'_> {
                 self.gather(b, Wanted::Number, found);
             }
             (ExprKind::Not(of), _) => self.gather(of, Wanted::Condition, found),
-            (ExprKind::Known(of) | ExprKind::At(of), _) => self.gather(of, Wanted::Anything, found),
+            (ExprKind::Known(of), _) => {
+                let outer = std::mem::replace(&mut self.asks_if_known, true);
+                self.gather(of, Wanted::Anything, found);
+                self.asks_if_known = outer;
+            }
+            (ExprKind::At(of), _) => self.gather(of, Wanted::Anything, found),
             (ExprKind::And(all) | ExprKind::Or(all), _) => {
                 for part in all {
                     self.gather(part, Wanted::Condition, found);

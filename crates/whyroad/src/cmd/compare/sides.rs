@@ -14,7 +14,7 @@ use whyroad_lake::mined::MiningQuestion;
 use whyroad_lake::{Lake, MinedFolder};
 use whyroad_mining::RuleSet;
 use whyroad_model::messages::{EpisodeRecord, Keyframe, KeyframeType, TimeRange};
-use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, TrackId};
+use whyroad_model::{Bilingual, ClipId, DriveId, Lang, Nanos, ScenarioId, Severity, TrackId};
 use whyroad_report::comparison::Searched;
 use whyroad_signals::Catalog;
 
@@ -167,6 +167,8 @@ fn run_rules(
     for d in &found {
         tell!("{}", output::render_text(d, global.lang));
     }
+    // Without a rule that has an error the comparison is not that of the framework as written.
+    let is_faulty = found.iter().any(|d| d.severity == Severity::Error);
     let bar = output::progress(lake.drive_ids().len());
     let options = MineOptions { lang: global.lang, ..MineOptions::default() };
     let (mut drives, mut episodes) = (Vec::new(), Vec::new());
@@ -190,7 +192,14 @@ fn run_rules(
         tell!("{}", output::render_text(d, global.lang));
     }
     let taxonomy = Some(framework.taxonomy);
-    Ok(Side { drives, episodes, classes: None, labels: None, taxonomy, lost: !unread.is_empty() })
+    Ok(Side {
+        drives,
+        episodes,
+        classes: None,
+        labels: None,
+        taxonomy,
+        lost: is_faulty || !unread.is_empty(),
+    })
 }
 
 /// Columns of a release needed for moments.

@@ -33,6 +33,10 @@ pub(super) fn document(shown: &Shown<'_>) -> Value {
         "when": course(&e.when),
         "conditions": e.parts.iter().map(part).collect::<Vec<_>>(),
     });
+    if !shown.variants.is_empty() {
+        let one = |v: &super::Variant| json!({ "class": v.class.to_string(), "frame": v.frame, "seconds": v.frame.map(|f| shown.seconds(f)) });
+        out["reported_as"] = shown.variants.iter().map(one).collect();
+    }
     if let Some(moments) = &shown.moments {
         out["moments"] = json!(moments);
     }

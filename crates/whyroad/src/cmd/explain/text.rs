@@ -71,6 +71,21 @@ pub(super) fn verdict(shown: &Shown<'_>, lang: Lang) -> String {
         Lang::Zh => format!("{class}，片段 {clip}{who}：{}", outcome_zh(shown)),
         Lang::En => format!("{class} in {clip}{who}: {}", outcome_en(shown)),
     };
+    for variant in &shown.variants {
+        let class = variant.title.get(lang);
+        let at = variant.frame.map(|frame| shown.seconds(frame));
+        let _ = match (lang, at) {
+            (Lang::Zh, Some(at)) => write!(out, "\n变体已定：挖掘结果中为 {class}，关键帧在 {at:.1} s"),
+            (Lang::Zh, None) => write!(out, "\n变体已定：挖掘结果中为 {class}，关键帧在片段之外"),
+            (Lang::En, Some(at)) => {
+                write!(out, "\nits variant is known: mining reports {class} instead, keyframe at {at:.1} s")
+            }
+            (Lang::En, None) => write!(
+                out,
+                "\nits variant is known: mining reports {class} instead, keyframe at a time outside the clip"
+            ),
+        };
+    }
     if e.candidates > 1 {
         let _ = match lang {
             Lang::Zh => write!(out, "\n{} 个候选中最接近的一个", e.candidates),

@@ -120,6 +120,7 @@ fn kind(k: ChangeKind, lang: Lang) -> &'static str {
         ChangeKind::Arranged => ("顺序或引用变化", "order or reference changed"),
         ChangeKind::Labelling => ("标注规格变化", "labeling changed"),
         ChangeKind::Mining => ("挖掘规则变化", "mining rule changed"),
+        ChangeKind::Decision => ("驾驶决策变化", "driving decision changed"),
     };
     if lang == Lang::Zh { zh } else { en }
 }

@@ -15,7 +15,9 @@ use whyroad_dataset::Release;
 use whyroad_dataset::carry::{CarriedRelease, carry_release};
 use whyroad_framework::Taxonomy;
 use whyroad_framework::mapping::{ClassChange, ClassMapping, read_mapping};
-use whyroad_label::carry::{Carried, carry};
+use whyroad_label::carry::{Carried, carry, class_of};
+use whyroad_model::ids::OTHER;
+use whyroad_model::label_fields::name;
 use whyroad_model::{Lang, ScenarioId};
 use whyroad_server::service::migration::{self, MigratedStore, MigrationRun};
 
@@ -57,8 +59,12 @@ const TEMPLATE: &str = include_str!("mapping.yaml");
 struct CarriedFile {
     lines: usize,
     moved: BTreeMap<(String, String), u64>,
+    /// Lines of which only secondary classes changed.
+    secondary: u64,
     /// Line, class before, classes to choose from.
     undecided: Vec<(usize, String, Vec<String>)>,
+    /// Line, and a class that neither the mapping nor the taxonomy after it has.
+    unknown: Vec<(usize, String)>,
     /// Lines that are not JSON.
     lost: Vec<usize>,
 }
@@ -105,7 +111,8 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
         args.out.as_ref().filter(|_| !args.dry_run).map(|out| out.join(path.file_name().unwrap_or_default()))
     };
     for file in &args.labels {
-        done.files.push((file.clone(), labels(file, &mapping, target(file).as_deref())?));
+        let after = (&mapping, &framework.taxonomy);
+        done.files.push((file.clone(), labels(file, after, target(file).as_deref())?));
     }
     for dir in &args.release {
         let release = Release::open(dir).with_context(|| cannot_read(dir.display()))?;
@@ -128,9 +135,14 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
         done.store = Some(migrated.map_err(|p| crate::store_args::error(&p, global.lang))?);
     }
     let lost = done.files.iter().any(|(_, f)| !f.lost.is_empty());
+    let unknown = done.files.iter().any(|(_, f)| !f.unknown.is_empty());
     let (data, lang) = (json_of(&done, args.dry_run), global.lang);
     args.print.put(&data, || text_of(&done, args.dry_run, lang))?;
-    Ok(if lost { output::lost_input() } else { output::FINE })
+    Ok(match (unknown, lost) {
+        (true, _) => output::FINDINGS,
+        (_, true) => output::lost_input(),
+        _ => output::FINE,
+    })
 }
 
 fn init(path: &Path, version: &str, lang: Lang) -> anyhow::Result<ExitCode> {
@@ -155,8 +167,22 @@ fn taxonomy(path: &Path) -> anyhow::Result<Taxonomy> {
 }
 
 /// Migrates a file of JSON lines. Lines of other kinds, and lines that cannot be read, are written unchanged.
-fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Result<CarriedFile> {
+fn labels(
+    file: &Path,
+    (mapping, after): (&ClassMapping, &Taxonomy),
+    out: Option<&Path>,
+) -> anyhow::Result<CarriedFile> {
     let text = std::fs::read_to_string(file).with_context(|| cannot_read(file.display()))?;
+    let is_json = |text: &str| serde_json::from_str::<Value>(text).is_ok();
+    if text.lines().find(|l| !l.trim().is_empty()).is_some_and(|first| !is_json(first)) && is_json(&text) {
+        let name = file.display();
+        return Err(stop(
+            format!("{name} 是跨多行的一个 JSON 文档；需要 JSON Lines，每行一个标签（`jq -c . {name}`）"),
+            format!(
+                "{name} is one JSON document over several lines; JSON Lines are needed, one label per line (`jq -c . {name}`)"
+            ),
+        ));
+    }
     let mut done = CarriedFile::default();
     let mut written = String::with_capacity(text.len());
     for (i, line) in text.lines().enumerate() {
@@ -173,6 +199,10 @@ fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Re
         let carried = one(&mut value, mapping);
         match carried {
             Carried::Same => written += line,
+            Carried::Secondary { .. } => {
+                done.secondary += 1;
+                written += &value.to_string();
+            }
             Carried::Moved { from, to } => {
                 *done.moved.entry((from.to_string(), to.to_string())).or_default() += 1;
                 written += &value.to_string();
@@ -184,6 +214,7 @@ fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Re
             }
         }
         written.push('\n');
+        done.unknown.extend(unknown(&value, after).into_iter().map(|class| (i + 1, class)));
     }
     if let Some(out) = out {
         if let Some(dir) = out.parent() {
@@ -200,6 +231,24 @@ fn labels(file: &Path, mapping: &ClassMapping, out: Option<&Path>) -> anyhow::Re
     Ok(done)
 }
 
+/// Classes of a label, or of a task's draft, that the taxonomy does not have: the mapping forgot them.
+fn unknown(value: &Value, after: &Taxonomy) -> Vec<String> {
+    let label = value.pointer("/task/draft").unwrap_or(value);
+    let listed = label.get(name::SECONDARY_SCENARIOS).and_then(Value::as_array).into_iter().flatten();
+    let listed = listed.filter_map(|id| id.as_str()?.parse::<ScenarioId>().ok());
+    let is_unknown = |id: &ScenarioId| {
+        // `other` is a class of every level.
+        let above = match (id.l2.as_deref(), id.l3.as_deref()) {
+            _ if id.l1 == OTHER => return false,
+            (Some(OTHER), _) => ScenarioId { l2: None, l3: None, ..id.clone() },
+            (_, Some(OTHER)) => ScenarioId { l3: None, ..id.clone() },
+            _ => id.clone(),
+        };
+        !after.contains(&above)
+    };
+    class_of(label).into_iter().chain(listed).filter(is_unknown).map(|id| id.to_string()).collect()
+}
+
 /// A label, or a task with its draft and its episode.
 fn one(value: &mut Value, mapping: &ClassMapping) -> Carried {
     let Some(task) = value.get_mut("task") else { return carry(mapping, value) };
@@ -211,9 +260,10 @@ fn one(value: &mut Value, mapping: &ClassMapping) -> Carried {
     if let Some(Ok(class)) = class {
         let to = match (mapping.change(&class), &carried) {
             (Some(ClassChange::To(to)), _) => Some(to),
-            (Some(ClassChange::Split(_)), Carried::Moved { to, .. } | Carried::Undecided { to, .. }) => {
-                Some(to.clone())
-            }
+            (
+                Some(ClassChange::Split(_)),
+                Carried::Moved { to, .. } | Carried::Undecided { to, .. } | Carried::Secondary { class: to },
+            ) => Some(to.clone()),
             _ => None,
         };
         if let Some(to) = to {
@@ -235,9 +285,15 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
         }
     };
     let person = t("须由人决定", "for a person to decide");
+    let only_secondary = |out: &mut String, n: u64| {
+        if n > 0 {
+            let _ = writeln!(out, "  {}: {n}", t("仅次要类别变化", "only secondary classes changed"));
+        }
+    };
     if let Some(s) = &done.store {
         let _ = writeln!(out, "{}", t("标注服务的存储", "store of the labeling service"));
         moved(&mut out, &s.moved);
+        only_secondary(&mut out, s.secondary);
         if s.settings > 0 {
             let _ = writeln!(out, "  {}: {}", t("项目设置", "project settings"), s.settings);
         }
@@ -254,6 +310,11 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
     for (file, f) in &done.files {
         let _ = writeln!(out, "{} ({} {})", file.display(), f.lines, t("行", "lines"));
         moved(&mut out, &f.moved);
+        only_secondary(&mut out, f.secondary);
+        for (line, class) in &f.unknown {
+            let what = t("映射和分类体系中都没有的类别", "in neither the mapping nor the taxonomy");
+            let _ = writeln!(out, "    {}:{line}: {what}: {class}", file.display());
+        }
         let _ = writeln!(out, "  {person}: {}", f.undecided.len());
         for (line, from, parts) in &f.undecided {
             let _ = writeln!(out, "    {}:{line}: {from} -> {}", file.display(), parts.join(" | "));
@@ -270,6 +331,7 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
                 let _ = writeln!(out, "  {from} -> {to}: {n}");
             }
         }
+        only_secondary(&mut out, r.secondary);
         let _ = writeln!(out, "  {person}: {}", r.undecided.len());
         for u in &r.undecided {
             let _ =
@@ -291,6 +353,7 @@ fn json_of(done: &Done, dry: bool) -> Value {
         "dry_run": dry,
         "store": done.store.as_ref().map(|s| json!({
             "moved": moved(&s.moved),
+            "secondary": s.secondary,
             "settings": s.settings,
             "left": s.left.iter().map(|(p, what, class)| json!({ "project": p, "what": what, "class": class }))
                 .collect::<Vec<_>>(),
@@ -301,12 +364,16 @@ fn json_of(done: &Done, dry: bool) -> Value {
         })),
         "labels": done.files.iter().map(|(file, f)| json!({
             "file": file.display().to_string(), "lines": f.lines, "moved": moved(&f.moved), "lost": f.lost,
+            "secondary": f.secondary,
+            "unknown": f.unknown.iter().map(|(line, class)| json!({ "line": line, "class": class }))
+                .collect::<Vec<_>>(),
             "undecided": f.undecided.iter()
                 .map(|(line, from, parts)| json!({ "line": line, "from": from, "parts": parts }))
                 .collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
         "releases": done.releases.iter().map(|(dir, r)| json!({
             "release": dir.display().to_string(), "samples": r.samples, "moved": r.moved,
+            "secondary": r.secondary,
             "undecided": r.undecided, "repeated": r.repeated,
         })).collect::<Vec<_>>(),
     })

@@ -8,10 +8,13 @@ use whyroad_framework::listing::{Detail, detail};
 use whyroad_framework::spec::{BoundSpec, KeyframeSpec, MomentSpec};
 use whyroad_framework::taxonomy::{Resolution, class_ambiguous, class_not_found};
 use whyroad_framework::{Framework, ResolvedSpec};
+use whyroad_mining::RuleSet;
 use whyroad_model::{Bilingual, Lang, yaml};
+use whyroad_signals::Catalog;
 
 pub(super) fn run(global: &Global, text: &str, format: ListingFormat) -> anyhow::Result<ExitCode> {
     let (framework, found) = framework_folder::load(global)?;
+    let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     let problem = match framework.taxonomy.resolve(text) {
         Resolution::Found(id) => {
             if let Some(detail) = detail(&framework, &id) {
@@ -19,7 +22,10 @@ pub(super) fn run(global: &Global, text: &str, format: ListingFormat) -> anyhow:
                     ListingFormat::Json => output::put_json(&detail)?,
                     ListingFormat::Yaml => output::put(&yaml::to_string(&detail)?),
                     ListingFormat::Text => {
-                        output::put(&Page { framework: &framework, lang: global.lang }.render(&detail))
+                        let (rules, _) = RuleSet::of_framework(&framework, &catalog);
+                        let is_unusable = rules.unusable(&framework).contains(&id);
+                        let page = Page { framework: &framework, lang: global.lang, is_unusable };
+                        output::put(&page.render(&detail));
                     }
                 }
                 return Ok(list::exit_code(&found));
@@ -38,6 +44,8 @@ pub(super) fn run(global: &Global, text: &str, format: ListingFormat) -> anyhow:
 struct Page<'f> {
     framework: &'f Framework,
     lang: Lang,
+    /// The rule of the class has an error.
+    is_unusable: bool,
 }
 
 impl Page<'_> {
@@ -112,6 +120,10 @@ impl Page<'_> {
         if c.level == "l3" || d.mining_rule.is_some() {
             self.heading(&mut out, "挖掘规则", "Mining rule");
             let _ = match &d.mining_rule {
+                Some(place) if self.is_unusable => {
+                    let fault = self.word("有错误，未使用", "it has an error and is not used");
+                    writeln!(out, "  {}:{} ({fault})", place.file, place.line)
+                }
                 Some(place) => writeln!(out, "  {}:{}", place.file, place.line),
                 None => writeln!(out, "  {}", self.word("尚无", "none yet")),
             };
