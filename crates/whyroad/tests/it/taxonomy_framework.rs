@@ -209,7 +209,11 @@ const CHANGES: &[(&str, &str, &str)] = &[
     ),
     (CUTIN, "urgent_ttc: { value: 3 s", "urgent_ttc: { value: 4 s"),
     ("scenarios/safety.yaml", "    after_s: 3\n", "    after_s: 2\n"),
-    ("scenarios/records.yaml", "\nrecords:\n", "\nrecords:\n  gap_taken: { type: number, min: 0, max: 100 }\n"),
+    (
+        "scenarios/records.yaml",
+        "\nrecords:\n",
+        "\nrecords:\n  gap_taken: { type: number, min: 0, max: 100 }\n",
+    ),
 ];
 
 #[test]
