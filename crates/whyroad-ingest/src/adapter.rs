@@ -40,6 +40,17 @@ pub trait Adapter: Sync {
     /// Sources at or below `path`, sorted.
     fn find(&self, path: &Path) -> io::Result<Vec<Located>>;
 
+    /// What is wrong with the values of options, before anything is looked for: files that they name. With an error
+    /// nothing is read.
+    fn check(&self, _options: &Options) -> Vec<Diagnostic> {
+        Vec::new()
+    }
+
+    /// [`Adapter::find`] where options say what a source is.
+    fn find_with(&self, path: &Path, _options: &Options) -> io::Result<Vec<Located>> {
+        self.find(path)
+    }
+
     /// Files that are read together with a source and lie outside of it.
     fn companions(&self, _source: &Path) -> Vec<PathBuf> {
         Vec::new()

@@ -86,6 +86,10 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         near(next) || next.checked_sub(1).is_some_and(near)
     };
 
+    let mapping = reader.mapping.map(|m| m.1);
+    let class_of = |word: &str| {
+        mapping.map_or_else(|| ObjectClass::from_id(&word.to_lowercase()), |mapping| mapping.class(word))
+    };
     let mut unknown_classes: BTreeMap<&str, usize> = BTreeMap::new();
     let mut impossible = BTreeMap::new();
     let mut tracks = Vec::new();
@@ -112,7 +116,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         }
         let stated = |i: usize| {
             let word = classes[i].as_deref().unwrap_or("unknown");
-            (ObjectClass::from_id(&word.to_lowercase()), word)
+            (class_of(word), word)
         };
         for &i in &kept {
             if let (None, word) = stated(i) {
