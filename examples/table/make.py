@@ -88,7 +88,7 @@ def line(text):
 write(
     "2026-01-15_pose.csv",
     ["stamp", "north", "east", "yaw", "v", "v_wheels", "pedal", "gear", "blinker", "wheel", "gps_fix"],
-    # The blinker is unknown (255) in the first row; the wheel is 10 degrees to the left all along, and right is positive.
+    # The blinker is unknown (255) in the first row; the wheel is 10 degrees to the left all along, right is positive.
     [
         [START_MS + 50 * k, 0, 40 * k, 90, comma(3.6 * 8), comma(3.6 * 7.9), int(k >= 40), 4, 0 if k else 255, -10, 3]
         for k in range(81)
