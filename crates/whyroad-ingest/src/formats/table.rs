@@ -42,7 +42,7 @@ use whyroad_model::scene::{DriveMeta, FrameOfReference};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 7;
+const REVISION: u32 = 8;
 
 /// The file that says which of the fleet's own files and columns are which.
 pub const MAPPING: OptionSpec = OptionSpec::new(

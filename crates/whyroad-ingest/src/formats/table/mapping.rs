@@ -7,6 +7,7 @@ mod units;
 use super::meta;
 use super::sheet::CsvForm;
 use super::{TABLES, columns_of};
+use crate::assemble::class_names::class_of;
 use crate::mapping_file::{class, number, one_of, unknown_word};
 pub(super) use axes::{Axes, Headings};
 use std::collections::BTreeMap;
@@ -94,7 +95,7 @@ impl Mapping {
             let number: f64 = name.parse().ok()?;
             self.classes.iter().find(|(k, _)| k.parse() == Ok(number)).map(|(_, class)| class)
         });
-        own.copied().or_else(|| ObjectClass::from_id(&name.to_lowercase()))
+        own.copied().or_else(|| class_of(name))
     }
 }
 

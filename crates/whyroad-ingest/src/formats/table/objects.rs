@@ -5,6 +5,7 @@ use super::findings;
 use super::problems::Problems;
 use super::reader::{Clock, Reader, gap_for};
 use super::sheet::{Sheet, TIME};
+use crate::assemble::class_names::class_of;
 use crate::assemble::frames::{Sample, Sampled, median};
 use crate::assemble::resample::{latest, linear};
 use crate::report::RowCount;
@@ -87,9 +88,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
     };
 
     let mapping = reader.mapping.map(|m| m.1);
-    let class_of = |word: &str| {
-        mapping.map_or_else(|| ObjectClass::from_id(&word.to_lowercase()), |mapping| mapping.class(word))
-    };
+    let class_of = |word: &str| mapping.map_or_else(|| class_of(word), |mapping| mapping.class(word));
     let mut unknown_classes: BTreeMap<&str, usize> = BTreeMap::new();
     let mut impossible = BTreeMap::new();
     let mut tracks = Vec::new();
