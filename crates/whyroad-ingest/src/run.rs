@@ -104,7 +104,11 @@ pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut 
     let current = Cell::new(source.path.as_path());
     let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
         let origin = Origin::new(current.get(), &report.source);
-        if let Some(mut drive) = drive {
+        let is_stated = |drive: &Drive| options.drive_id.as_ref() == Some(&drive.meta.drive_id);
+        if let Some(refused) = drive.as_ref().filter(|d| is_stated(d)).and_then(|d| origin.refuse_id(d, lake))
+        {
+            report.diagnostics.push(refused);
+        } else if let Some(mut drive) = drive {
             report.diagnostics.extend(origin.claim_id(&mut drive, lake));
             write(&drive, &origin, &mut report, lake);
         } else if let Some(id) = &report.drive_id
