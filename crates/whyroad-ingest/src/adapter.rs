@@ -181,11 +181,21 @@ impl<'a> DriveSink<'a> {
                 map.attach(drive, &mut report);
             }
             report.diagnostics.extend(unused_objects(drive, &report));
+            let had = (drive.map.is_some(), drive.lights.is_some());
             report.diagnostics.extend(finish(drive).into_iter().map(|d| d.in_file(report.source.clone())));
+            let tables = report.tables.iter_mut();
+            let is_unused = |t: &&mut RowCount| {
+                (had.0 && drive.map.is_none() && OF_MAPS.contains(&t.table))
+                    || (had.1 && drive.lights.is_none() && t.table == "lights")
+            };
+            tables.filter(is_unused).for_each(|t| t.set_all_aside("not_used"));
         }
         (self.each)(drive, report);
     }
 }
+
+/// Tables of the road only.
+const OF_MAPS: [&str; 6] = ["areas", "lanes", "map", "map_features", "shapes", "signs"];
 
 /// Tables of other road users only.
 const OF_OBJECTS: [&str; 4] = ["annotations", "objects", "obstacles", "radar"];
