@@ -12,6 +12,7 @@
 mod ego;
 mod findings;
 mod group;
+mod layout;
 mod mapped;
 mod mapping;
 mod meta;
@@ -33,6 +34,7 @@ use crate::source::{
     ContentHash, drive_id, file_label, find_folders, implausible_span, implausible_step, renamed, resampled,
 };
 pub(crate) use findings::CODES;
+use layout::TABLES;
 use mapping::Mapping;
 use meta::Meta;
 use reader::{Clock, Reader, files_of};
@@ -140,22 +142,6 @@ fn is_drive(dir: &Path, mapping: Option<&Mapping>) -> bool {
     let is_described = meta::drive_file(dir).is_some() || mapping.is_some_and(|m| m.drive.is_some());
     let is_meant = if is_described { has("ego") || has("objects") } else { has("ego") && has("objects") };
     is_meant && !dir.has("clips.parquet")
-}
-
-/// The tables of a drive.
-const TABLES: &[&str] = &["ego", "objects", "lanes", "areas", "signs", "lights", "context"];
-
-/// The columns of a table.
-fn columns_of(table: &str) -> &'static [&'static str] {
-    match table {
-        "ego" => ego::COLUMNS,
-        "objects" => objects::COLUMNS,
-        "lanes" => road::LANE_COLUMNS,
-        "areas" => road::AREA_COLUMNS,
-        "signs" => signs::COLUMNS,
-        "lights" => states::LIGHT_COLUMNS,
-        _ => states::CONTEXT_COLUMNS,
-    }
 }
 
 /// Endings of what programs write tables into.

@@ -2,10 +2,9 @@
 //! compasses without a correction. A car needs way to turn; one that stands keeps its heading.
 
 use super::warning;
+use crate::assemble::angles::wrap_angle;
 use whyroad_model::scene::{Drive, Ego};
 use whyroad_model::{Bilingual, Diagnostic};
-
-use crate::assemble::angles::wrap_angle;
 
 /// The point of the pose stays within this of where it came to stand, m: errors of a receiver at rest.
 const STANDS_M: f64 = 0.2;

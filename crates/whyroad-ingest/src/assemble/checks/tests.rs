@@ -516,8 +516,7 @@ fn a_map_far_beside_or_turned_is_reported() {
             .map(|k| {
                 let (heading, side) = ways[k % 4];
                 let speed = 8.0 + k as f64;
-                let m = Motion { heading: vec![heading; n], ..Motion::unknown(n) };
-                let mut m = m;
+                let mut m = Motion { heading: vec![heading; n], ..Motion::unknown(n) };
                 for i in 0..n {
                     let along = -40.0 + 7.0 * k as f64 + speed * i as f64 / 10.0;
                     let (s, c) = heading.sin_cos();

@@ -150,7 +150,7 @@ fn whole(text: &str, factor: f64) -> Option<String> {
     if !part.bytes().all(|b| b.is_ascii_digit()) || digits.parse::<i128>().is_err() {
         // An exponent: the number is a float already.
         let number = text.parse::<f64>().ok().filter(|v| v.is_finite())? * factor;
-        return (number.abs() < 9e18).then(|| format!("{:.0}", number));
+        return (number.abs() < 9e18).then(|| format!("{number:.0}"));
     }
     let part = format!("{part:0<power$}");
     let nanoseconds: i128 = format!("{digits}{}", &part[..power]).parse().ok()?;

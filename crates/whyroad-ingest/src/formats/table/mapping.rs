@@ -4,9 +4,8 @@
 mod axes;
 mod units;
 
-use super::meta;
+use super::layout::{EGO_KEYS, KEYS, TABLES, columns_of};
 use super::sheet::CsvForm;
-use super::{TABLES, columns_of};
 use crate::assemble::class_names::class_of;
 use crate::mapping_file::{class, number, one_of, unknown_word};
 pub(super) use axes::{Axes, Headings};
@@ -148,12 +147,12 @@ fn unknown_key(key: &str, node: &Node, known: &[&str], report: &mut FileReport) 
 /// The keys of a drive file that several drives can share: all but its id.
 fn check_drive(node: &Node, report: &mut FileReport) {
     let Some(mut fields) = Fields::open(node, report) else { return };
-    for key in meta::KEYS.iter().copied().filter(|k| *k != "drive_id") {
+    for key in KEYS.iter().copied().filter(|k| *k != "drive_id") {
         let Some(node) = fields.get(key) else { continue };
         if key == "ego"
             && let Some(mut ego) = Fields::open(node, report)
         {
-            for key in meta::EGO_KEYS {
+            for key in EGO_KEYS {
                 if let Some(node) = ego.get(key) {
                     number(node, report);
                 }
@@ -205,7 +204,7 @@ fn csv_form(node: &Node, report: &mut FileReport) -> Option<CsvForm> {
     });
     let decimal = fields
         .get("decimal")
-        .and_then(|n| one_of(n, report, |t| [".", ","].contains(&t).then(|| t == ","), &[".", ","]));
+        .and_then(|n| one_of(n, report, |t| [".", ","].contains(&t).then_some(t == ","), &[".", ","]));
     fields.close(report);
     Some(CsvForm { separator: separator.unwrap_or(b','), decimal_comma: decimal.unwrap_or(false) })
 }

@@ -1,6 +1,7 @@
 //! `drive.yaml` or `drive.json`: what is known about the drive as a whole.
 
 use super::findings;
+use super::layout::{EGO_KEYS, KEYS};
 use super::reader::Reader;
 use super::words::UnknownWords;
 use crate::assemble::layers::Declared;
@@ -8,10 +9,6 @@ use crate::encodings::input::{Folder, Input};
 use crate::phrases::zh;
 use whyroad_model::yaml::{self, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, Nanos};
-
-pub(super) const KEYS: &[&str] =
-    &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego", "map_complete_for"];
-pub(super) const EGO_KEYS: &[&str] = &["length_m", "width_m", "height_m", "reference_to_centre_m"];
 
 /// Longest size of a vehicle, and greatest distance of its reference point from its middle, m.
 const MOST_SIZE_M: f64 = 60.0;

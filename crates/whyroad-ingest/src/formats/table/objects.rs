@@ -14,28 +14,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::scene::{FRAME_RATE_HZ, Track, TurnSignal};
 use whyroad_model::{Need, ObjectClass, TrackId};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "timestamp_ns",
-    "time",
-    "time_s",
-    "track_id",
-    "class",
-    "x_m",
-    "y_m",
-    "z_m",
-    "heading_rad",
-    "heading_deg",
-    "vx_mps",
-    "vy_mps",
-    "speed_mps",
-    "length_m",
-    "width_m",
-    "height_m",
-    "interior_points",
-    "turn_signal",
-    "visible_share",
-    "occluder",
-];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["track_id"], &["class"], &["x_m"], &["y_m"]];
 
 /// A column in which every row is unknown counts as absent.

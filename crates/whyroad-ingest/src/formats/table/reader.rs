@@ -1,8 +1,9 @@
 //! What is needed to read every table of a drive: the folder, the report, and the drive's clock.
 
+use super::layout::columns_of;
 use super::mapping::{ColumnSource, Mapping};
 use super::sheet::{Sheet, sheet_file};
-use super::{columns_of, findings, mapped};
+use super::{findings, mapped};
 use crate::assemble::frames::{Frames, every_tenth};
 use crate::encodings::input::Folder;
 use crate::report::SourceReport;

@@ -11,9 +11,6 @@ use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Point3, Sign};
 use whyroad_model::vocabulary::SIGN_KINDS;
 
-pub(super) const COLUMNS: &[&str] =
-    &["sign_id", "kind", "x_m", "y_m", "z_m", "lane_ids", "value", "facing_rad", "facing_deg"];
-
 /// Where the faces of signs point, rad.
 fn facings(sheet: &Sheet, problems: &mut Problems) -> Vec<f64> {
     if sheet.has("facing_rad") {

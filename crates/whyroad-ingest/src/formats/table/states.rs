@@ -10,10 +10,6 @@ use whyroad_model::Nanos;
 use whyroad_model::scene::{ContextState, LightColor, LightState};
 use whyroad_model::vocabulary::{CONTEXT_KINDS, ContextValues, UNKNOWN, context_values};
 
-pub(super) const LIGHT_COLUMNS: &[&str] =
-    &["timestamp_ns", "time", "time_s", "lane_id", "to_lane_id", "colour", "countdown_s"];
-pub(super) const CONTEXT_COLUMNS: &[&str] =
-    &["timestamp_ns", "time", "time_s", "kind", "value", "source", "confidence"];
 const COLORS: &str = "one of red, yellow, green, green_yield, green_round, green_arrow, flashing_green, red_yellow, \
     flashing_yellow, off, unknown";
 
