@@ -40,6 +40,17 @@ pub trait Adapter: Sync {
     /// Sources at or below `path`, sorted.
     fn find(&self, path: &Path) -> io::Result<Vec<Located>>;
 
+    /// What is wrong with the values of options, before anything is looked for: files that they name. With an error
+    /// nothing is read.
+    fn check(&self, _options: &Options) -> Vec<Diagnostic> {
+        Vec::new()
+    }
+
+    /// [`Adapter::find`] where options say what a source is.
+    fn find_with(&self, path: &Path, _options: &Options) -> io::Result<Vec<Located>> {
+        self.find(path)
+    }
+
     /// Files that are read together with a source and lie outside of it.
     fn companions(&self, _source: &Path) -> Vec<PathBuf> {
         Vec::new()
@@ -170,11 +181,21 @@ impl<'a> DriveSink<'a> {
                 map.attach(drive, &mut report);
             }
             report.diagnostics.extend(unused_objects(drive, &report));
+            let had = (drive.map.is_some(), drive.lights.is_some());
             report.diagnostics.extend(finish(drive).into_iter().map(|d| d.in_file(report.source.clone())));
+            let tables = report.tables.iter_mut();
+            let is_unused = |t: &&mut RowCount| {
+                (had.0 && drive.map.is_none() && OF_MAPS.contains(&t.table))
+                    || (had.1 && drive.lights.is_none() && t.table == "lights")
+            };
+            tables.filter(is_unused).for_each(|t| t.set_all_aside("not_used"));
         }
         (self.each)(drive, report);
     }
 }
+
+/// Tables of the road only.
+const OF_MAPS: [&str; 6] = ["areas", "lanes", "map", "map_features", "shapes", "signs"];
 
 /// Tables of other road users only.
 const OF_OBJECTS: [&str; 4] = ["annotations", "objects", "obstacles", "radar"];

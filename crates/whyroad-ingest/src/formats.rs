@@ -44,5 +44,12 @@ pub fn closest(name: &str) -> Option<&'static str> {
 }
 
 /// Readers of the formats that read single files.
-pub(crate) const READERS: &[&[FileReader]] =
-    &[av2::READERS, av2_motion::READERS, mcap::READERS, pai::READERS, sumo::READERS, waymo::READERS];
+pub(crate) const READERS: &[&[FileReader]] = &[
+    av2::READERS,
+    av2_motion::READERS,
+    mcap::READERS,
+    pai::READERS,
+    sumo::READERS,
+    table::READERS,
+    waymo::READERS,
+];

@@ -8,6 +8,7 @@ mod encodings;
 mod file_reader;
 pub mod formats;
 mod leftover;
+mod mapping_file;
 mod maps;
 mod options;
 mod origin;
@@ -31,7 +32,7 @@ pub use maps::{
 };
 pub use options::{DEFAULT_START, LICENCE, OptionSpec, OptionType, OptionValue, Options, START};
 pub use report::{RowCount, SourceReport};
-pub use run::{batches, find_sources, ingest, ingest_each, read, read_files};
+pub use run::{batches, find_sources, find_sources_with, ingest, ingest_each, read, read_files};
 
 /// Codes of the diagnostics of all adapters; each has a page in `docs/diagnostics/`.
 pub fn codes() -> Vec<&'static str> {

@@ -28,7 +28,7 @@ use std::path::Path;
 use whyroad_model::{Diagnostic, RoadMap};
 
 /// Raised when a reader makes something else of the same file, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Bytes at the start of a file that identify its type.
 const HEAD: u64 = 1 << 16;
 /// Larger files are not maps of one region.

@@ -28,6 +28,23 @@ impl Origin {
         other_source && lake.content_hash(id).is_some_and(|held| held != content_hash)
     }
 
+    /// Why a drive cannot have the id that the user states: it belongs to another source.
+    pub fn refuse_id(&self, drive: &Drive, lake: &Lake) -> Option<Diagnostic> {
+        let id = &drive.meta.drive_id;
+        let message = Bilingual::new(
+            format!("数据湖中已有来自另一来源的行程 {id}；此行程未写入"),
+            format!("the lake has a drive {id} from another source; this one is not stored"),
+        );
+        let hint = Bilingual::new(
+            format!("换一个 --drive-id；要替换原有行程，请先运行 `whyroad lake delete {id} --lake DIR`"),
+            format!(
+                "choose another --drive-id; to replace the drive, run `whyroad lake delete {id} --lake DIR` first"
+            ),
+        );
+        let is_taken = self.is_taken(id, &drive.meta.content_hash, lake);
+        is_taken.then(|| Diagnostic::error("ingest.drive_id.taken", message).with_hint(hint))
+    }
+
     /// Gives the drive another id when its own belongs to another source; the id depends on the source alone, so that
     /// ingesting it again finds the drive.
     pub fn claim_id(&self, drive: &mut Drive, lake: &Lake) -> Option<Diagnostic> {

@@ -50,6 +50,12 @@ impl RowCount {
     pub(crate) fn set_aside(&mut self, why: &'static str, rows: usize) {
         add(&mut self.set_aside, why, rows);
     }
+    /// Rows that were kept, and that a later check did not use.
+    pub(crate) fn set_all_aside(&mut self, why: &'static str) {
+        let kept = self.kept_total();
+        self.kept.clear();
+        self.set_aside(why, kept);
+    }
     pub(crate) fn drop_rows(&mut self, why: &'static str, rows: usize) {
         add(&mut self.dropped, why, rows);
     }
@@ -124,6 +130,7 @@ pub fn reason_text(key: &str) -> Bilingual {
         "no_list" => ("没有对象列表", "no list of objects"),
         "unknown_frame" => ("未知坐标系", "unknown frame"),
         "another_topic" => ("其他主题", "another topic"),
+        "not_used" => ("未使用", "not used"),
         "no_such_lane" => ("地图中没有该车道", "of a lane that the map does not have"),
         "no_lane_ends_there" => ("没有车道止于此处", "no lane ends there"),
         "between_frames" => ("在两帧之间", "between frames"),

@@ -15,10 +15,23 @@ use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Severity};
 /// Codes of the search for sources.
 pub(crate) const CODES: &[&str] = &["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found"];
 
+/// [`find_sources_with`] without options.
+pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Source>, Vec<Diagnostic>) {
+    find_sources_with(format, paths, &Options::default())
+}
+
 /// The sources at or below `paths`, and diagnostics for paths without any and for files that no source uses. Without a
 /// format, every adapter is tried.
-pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Source>, Vec<Diagnostic>) {
+pub fn find_sources_with(
+    format: Option<AdapterRef>,
+    paths: &[PathBuf],
+    options: &Options,
+) -> (Vec<Source>, Vec<Diagnostic>) {
     let adapters = format.as_ref().map_or(formats::ALL, std::slice::from_ref);
+    let problems: Vec<Diagnostic> = adapters.iter().flat_map(|a| a.0.check(options)).collect();
+    if !problems.is_empty() {
+        return (Vec::new(), problems);
+    }
     let (mut sources, mut problems) = (Vec::new(), Vec::new());
     for path in paths {
         let label = path.display().to_string();
@@ -28,7 +41,7 @@ pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Sourc
         }
         let before = (sources.len(), problems.len());
         for &adapter in adapters {
-            match adapter.0.find(path) {
+            match adapter.0.find_with(path, options) {
                 Ok(found) => sources.extend(found.into_iter().map(|at| Source {
                     adapter,
                     path: at.path,
@@ -91,7 +104,11 @@ pub fn ingest_each(batch: &[Source], options: &Options, lake: &Lake, each: &mut 
     let current = Cell::new(source.path.as_path());
     let mut keep = |drive: Option<Drive>, mut report: SourceReport| {
         let origin = Origin::new(current.get(), &report.source);
-        if let Some(mut drive) = drive {
+        let is_stated = |drive: &Drive| options.drive_id.as_ref() == Some(&drive.meta.drive_id);
+        if let Some(refused) = drive.as_ref().filter(|d| is_stated(d)).and_then(|d| origin.refuse_id(d, lake))
+        {
+            report.diagnostics.push(refused);
+        } else if let Some(mut drive) = drive {
             report.diagnostics.extend(origin.claim_id(&mut drive, lake));
             write(&drive, &origin, &mut report, lake);
         } else if let Some(id) = &report.drive_id
@@ -169,8 +186,9 @@ fn nothing_found(path: &str, adapters: &[AdapterRef]) -> Diagnostic {
         ),
     )
     .with_hint(Bilingual::new(
-        "docs/reference/formats.zh.md 说明各格式需要哪些文件",
-        "docs/reference/formats.md says which files each format needs",
+        "docs/reference/formats.zh.md 说明各格式需要哪些文件；自有的表用 `whyroad ingest table --mapping` 导入",
+        "docs/reference/formats.md says which files each format needs; tables of your own are read by \
+         `whyroad ingest table --mapping`",
     ))
     .in_file(path)
 }

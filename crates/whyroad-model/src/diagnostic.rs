@@ -1,6 +1,7 @@
 //! Diagnostics: problems in the user's data, reported so they can be fixed. One type for logs,
 //! taxonomies, specs, rules and labels. Codes are stable; each has a page in `docs/diagnostics/`.
 
+mod quotation;
 mod render;
 
 pub use render::{json_row, render_ansi, render_json, render_sarif, render_text, sarif_result, summary};
@@ -63,9 +64,16 @@ pub struct Diagnostic {
     pub hint: Option<Bilingual>,
 }
 
+/// The text with long values of the user cut.
+fn shortened(text: Bilingual) -> Bilingual {
+    let Bilingual { zh, en } = text;
+    Bilingual { zh: quotation::shortened(zh), en: quotation::shortened(en) }
+}
+
 impl Diagnostic {
     /// An error.
     pub fn error(code: &'static str, message: Bilingual) -> Self {
+        let message = shortened(message);
         Self { code, severity: Severity::Error, message, location: Location::default(), hint: None }
     }
     /// A warning.
@@ -79,7 +87,7 @@ impl Diagnostic {
     /// The same with a hint.
     #[must_use]
     pub fn with_hint(mut self, hint: Bilingual) -> Self {
-        self.hint = Some(hint);
+        self.hint = Some(shortened(hint));
         self
     }
     /// The same at `location`.

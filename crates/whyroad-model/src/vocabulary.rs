@@ -55,6 +55,8 @@ pub const SIGN_KINDS: &[&str] = &[
     "warning_bump",
     "warning_animals",
     "warning_lights",
+    "priority",
+    "priority_road",
 ];
 
 /// Kinds of prohibitions that require a moving car to slow or to take another route: all but those about parking,

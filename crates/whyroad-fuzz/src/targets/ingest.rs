@@ -223,6 +223,15 @@ fn tables() -> Vec<Target> {
         options: defaults,
     };
     out.push(parquet.changing("table-parquet", "ego.parquet", vec![]));
+    let names = ["2026-01-15_pose.csv", "2026-01-15_objects.csv", "lanes.csv"];
+    let mut files: Files = names
+        .iter()
+        .map(|n| ((*n).to_owned(), super::file(&format!("examples/table_fleet/following/{n}"))))
+        .collect();
+    files.push(("mapping.yaml".into(), super::file("examples/table_fleet/fleet.yaml")));
+    let fleet = Log { format: "table", small: cut_to(4, &files), files, options: defaults };
+    out.push(fleet.changing("table-mapping", "mapping.yaml", vec![]));
+    out.push(fleet.changing("table-mapped", "2026-01-15_pose.csv", vec![]));
     out
 }
 

@@ -69,6 +69,7 @@ fn seeds(name: &str) -> Vec<Vec<u8>> {
         "sumo-net" => vec![sumo("net.xml"), cut::xml(&fixture("maps/town.net.xml"), 3)],
         "sumo-shapes" => vec![made::SHAPES.into()],
         "sumo-types" => vec![sumo("rou.xml")],
+        "table-mapping" => vec![file("examples/table_fleet/fleet.yaml")],
         "tfrecord" => vec![made::tfrecord(&[b"one", b"second"])],
         "waymo-scenario" => made::waymo_records(2),
         "xml" => vec![sumo("rou.xml"), sumo("lights.xml")],

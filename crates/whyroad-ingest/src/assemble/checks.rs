@@ -3,6 +3,7 @@
 //! not depend on later data.
 
 use crate::assemble::angles::wrap_angle;
+use crate::assemble::frames::median;
 use crate::assemble::geometry::distance;
 use std::collections::BTreeMap;
 use whyroad_model::road_map::{Lane, LayerState, MapLayer, Point3};
@@ -17,9 +18,11 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.height.heading",
     "ingest.velocity.last_zero",
     "ingest.accel.impossible",
+    "ingest.accel.contradicts",
     "ingest.pose.impossible",
     "ingest.map.off",
     "ingest.map.shifted",
+    "ingest.map.turned",
     "ingest.position.far",
     "ingest.limit.connector",
     "ingest.limit.impossible",
@@ -33,6 +36,7 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.heading.contradicts",
     "ingest.heading.impossible",
     "ingest.heading.backwards",
+    "ingest.heading.standing",
 ];
 
 /// A vehicle that is wider than long by more than this factor has its sizes swapped or a bad box.
@@ -44,8 +48,10 @@ const WIDTH_M: std::ops::RangeInclusive<f64> = 1.3..=3.1;
 const MOVING_MPS: f64 = 2.0;
 /// Highest plausible acceleration, m/s2: the grip of tires on dry asphalt is about 1 g.
 const MAX_ACCEL_MPS2: f64 = 15.0;
-/// Positions from this value up are not in the same local frame as those below it, m.
+/// Positions farther than this from the start of the drive are not in its frame, m; the start is the median of so many
+/// rows of the ego.
 const FAR_M: f64 = 1e6;
+const START_ROWS: usize = 10;
 /// The ego drives on the map when at least this share of its first frames is this near to a lane, m.
 const ON_MAP_SHARE: f64 = 0.5;
 const ON_MAP_M: f64 = 15.0;
@@ -65,6 +71,7 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     out.extend(degrees::positions(drive));
     out.extend(headings::jumps(drive));
     out.extend(headings::backwards(drive));
+    out.extend(standing::check(drive));
     out.extend(poses::steps_back(drive));
     out.extend(own_box::drop(drive));
     out.extend(impossible_sizes(drive));
@@ -72,6 +79,7 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     out.extend(last_zero(drive));
     out.extend(accelerations(drive));
     out.extend(agreement::check(drive));
+    out.extend(rates::check(drive));
     if let Some(map) = &mut drive.map {
         out.extend(headings_as_heights(map));
         out.extend(limits::in_another_unit(map));
@@ -89,14 +97,15 @@ fn warning(code: &'static str, zh: String, en: String) -> Diagnostic {
 }
 
 fn far_positions(drive: &mut Drive) -> Option<Diagnostic> {
-    let far = |m: &Motion, i: usize| m.x[i].abs() >= FAR_M || m.y[i].abs() >= FAR_M;
     let ego = drive.ego.as_ref().map(|e| &e.motion)?;
-    let first = (0..ego.len()).find(|&i| ego.x[i].is_finite())?;
+    // Coordinates of a projected frame such as UTM are that large from the start.
+    let start = |of: &[f64]| {
+        let first: Vec<f64> = of.iter().copied().filter(|v| v.is_finite()).take(START_ROWS).collect();
+        (!first.is_empty()).then(|| median(&first))
+    };
+    let (x0, y0) = (start(&ego.x)?, start(&ego.y)?);
+    let far = |m: &Motion, i: usize| (m.x[i] - x0).abs() >= FAR_M || (m.y[i] - y0).abs() >= FAR_M;
     let mut rows = 0;
-    if far(ego, first) {
-        // All positions are that large: a projected frame such as UTM, which is valid.
-        return None;
-    }
     let motions =
         drive.ego.iter_mut().map(|e| &mut e.motion).chain(drive.tracks.iter_mut().map(|t| &mut t.motion));
     for m in motions {
@@ -110,9 +119,9 @@ fn far_positions(drive: &mut Drive) -> Option<Diagnostic> {
     (rows > 0).then(|| {
         warning(
             "ingest.position.far",
-            format!("{rows} 行的坐标达到 1000 km 以上，与该行程的其余位置不属于同一坐标系；记为未知"),
+            format!("{rows} 行的位置距行程起点 1000 km 以上，与其余位置不属于同一坐标系；记为未知"),
             format!(
-                "{rows} rows have coordinates of 1000 km and more, unlike the start of the drive; they are set to unknown"
+                "{rows} positions are 1000 km and more from the start of the drive; they are set to unknown"
             ),
         )
     })
@@ -402,11 +411,15 @@ fn date(drive: &mut Drive) -> Option<Diagnostic> {
 
 mod agreement;
 mod degrees;
+mod fit;
 mod headings;
 mod lights;
 mod limits;
 mod own_box;
 mod poses;
+mod rates;
 mod shifted;
+mod standing;
 #[cfg(test)]
 mod tests;
+mod turned;

@@ -6,6 +6,7 @@ use crate::file_reader::FileReader;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
+use arrow_schema::DataType;
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::file::reader::ChunkReader;
@@ -82,6 +83,12 @@ impl Columns {
     /// True when the file has the column.
     pub fn has(&self, name: &str) -> bool {
         self.0.first().is_some_and(|b| b.column_by_name(name).is_some())
+    }
+
+    /// True where the column's type is a date or a time since 1970.
+    pub fn has_times(&self, name: &str) -> bool {
+        let kind = self.0.first().and_then(|b| Some(b.column_by_name(name)?.data_type().clone()));
+        matches!(kind, Some(DataType::Timestamp(_, _) | DataType::Date32 | DataType::Date64))
     }
 
     /// A column of numbers; null is NaN.

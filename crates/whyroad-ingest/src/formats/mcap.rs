@@ -12,6 +12,7 @@ mod mapping;
 mod rows;
 
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
+use crate::assemble::class_names::class_of;
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::resample::{MAX_GAP_S, linear};
 use crate::assemble::se3::{self, Se3};
@@ -32,10 +33,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::scene::{DriveMeta, Ego, Track};
-use whyroad_model::{Diagnostic, Drive, Nanos, Need, ObjectClass};
+use whyroad_model::{Diagnostic, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// The file that says which topics are what.
 pub const MAPPING: OptionSpec =
     OptionSpec::new("mapping", OptionType::File, "FILE", "mapping file: which topics are what");
@@ -513,8 +514,7 @@ fn tracks(
     report.diagnostics.extend(foreign.iter().map(|(id, n)| findings::frame(label, id, *n)));
     let (mut out, mut unknown, mut impossible) = (Vec::new(), BTreeSet::new(), BTreeMap::new());
     for (id, (name, samples)) in objects {
-        let class =
-            mapping.classes.get(&name).copied().or_else(|| ObjectClass::from_id(&name.to_lowercase()));
+        let class = mapping.classes.get(&name).copied().or_else(|| class_of(&name));
         if class.is_none() {
             unknown.insert(if name.is_empty() { "-".to_owned() } else { name.clone() });
         }

@@ -9,6 +9,7 @@ mod findings;
 mod systems;
 
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, SkipReason, Source, whole};
+use crate::assemble::class_names::class_of;
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::input::Input;
@@ -25,10 +26,10 @@ use std::io::{self, Read};
 use std::path::Path;
 use systems::{Systems, numbers, quaternion};
 use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, Track};
-use whyroad_model::{Bilingual, Drive, Nanos, Need, ObjectClass};
+use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Bytes in which a file says what it is.
 const SNIFFED_BYTES: u64 = 4096;
 /// Maximum size of a file, bytes.
@@ -368,24 +369,6 @@ fn cuboid(v: &Value) -> Option<(Se3, [f64; 3])> {
         _ => return None,
     };
     Some((Se3 { q, t: [n[0], n[1], n[2]] }, [size[0], size[1], size[2]]))
-}
-
-/// Our class for a type, whatever its case and prefix: `Car`, `vehicle.car`, `http://.../Pedestrian`.
-fn class_of(name: &str) -> Option<ObjectClass> {
-    let word =
-        name.rsplit(['.', '/', '#', ':']).next().unwrap_or_default().to_lowercase().replace([' ', '-'], "_");
-    ObjectClass::from_id(&word).or_else(|| {
-        Some(match word.as_str() {
-            "passenger_car" | "van" | "suv" => ObjectClass::Car,
-            "person" | "human" | "adult" | "child" | "vru" => ObjectClass::Pedestrian,
-            "cyclist" | "rider" => ObjectClass::Bicyclist,
-            "bike" => ObjectClass::Bicycle,
-            "motorbike" => ObjectClass::Motorcycle,
-            "lorry" | "trailer" => ObjectClass::Truck,
-            "traffic_cone" => ObjectClass::Cone,
-            _ => return None,
-        })
-    })
 }
 
 #[cfg(test)]

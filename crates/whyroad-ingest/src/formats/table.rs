@@ -2,6 +2,9 @@
 //! column means is written in `docs/reference/table-format.md`, which people write their exporters by; change both
 //! together.
 //!
+//! A fleet's own tables, with other names, units and words, are read by a mapping file
+//! (`docs/reference/table-mapping.md`): `mapped` makes tables of the layout of them, and nothing else knows it.
+//!
 //! Frames are the ego's times where those are 10 times a second, else every 0.1 s. Nothing is guessed: an unknown
 //! column or word is reported, a cell that cannot be read is unknown and counted, a row without time, place or id is
 //! dropped and counted.
@@ -9,6 +12,9 @@
 mod ego;
 mod findings;
 mod group;
+mod layout;
+mod mapped;
+mod mapping;
 mod meta;
 mod objects;
 mod problems;
@@ -20,23 +26,33 @@ mod states;
 mod words;
 
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
-use crate::encodings::input::Folder;
-use crate::options::{LICENCE, Options, START};
+use crate::encodings::input::{Folder, Input};
+use crate::file_reader::FileReader;
+use crate::options::{LICENCE, OptionSpec, OptionType, Options, START};
 use crate::report::SourceReport;
 use crate::source::{
     ContentHash, drive_id, file_label, find_folders, implausible_span, implausible_step, renamed, resampled,
 };
 pub(crate) use findings::CODES;
+use layout::TABLES;
+use mapping::Mapping;
 use meta::Meta;
-use reader::{Clock, Reader};
-use sheet::sheet_file;
+use reader::{Clock, Reader, files_of};
 use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::scene::{DriveMeta, FrameOfReference};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 7;
+const REVISION: u32 = 8;
+
+/// The file that says which of the fleet's own files and columns are which.
+pub const MAPPING: OptionSpec = OptionSpec::new(
+    "mapping",
+    OptionType::File,
+    "FILE",
+    "mapping file: file and column names, units, axes and words of your own tables",
+);
 
 /// Our own table layout.
 pub struct Table;
@@ -46,9 +62,9 @@ impl Adapter for Table {
         const {
             &FormatAbout {
                 name: "table",
-                summary: "tables: Parquet or CSV files in the documented layout, for any other log",
-                example: "table path/to/drives --lake lake",
-                options: &[START, LICENCE],
+                summary: "tables: Parquet or CSV files in the documented layout, or in another one by --mapping",
+                example: "table path/to/drives --lake lake\n  whyroad ingest table path/to/drives --mapping fleet.yaml --lake lake",
+                options: &[MAPPING, START, LICENCE],
                 codes: CODES,
             }
         }
@@ -58,9 +74,29 @@ impl Adapter for Table {
         find_drives(path).map(whole)
     }
 
+    fn check(&self, options: &Options) -> Vec<Diagnostic> {
+        own_mapping(options).err().unwrap_or_default()
+    }
+
+    fn find_with(&self, path: &Path, options: &Options) -> io::Result<Vec<Located>> {
+        let mapping = own_mapping(options).ok().flatten();
+        let mapping = mapping.as_ref().map(|m| &m.mapping);
+        find_folders(path, |dir| is_drive(dir, mapping)).map(whole)
+    }
+
     fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
         let mut report = SourceReport::new("memory".to_owned());
-        let drive = read_drive(Folder::Memory(files), "memory", options, &mut report);
+        let name = "mapping.yaml";
+        let text = files.get(name).map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+        let drive = match text.map(|text| NamedMapping::read(name, text)).transpose() {
+            Ok(mapping) => {
+                read_drive(Folder::Memory(files), "memory", mapping.as_ref(), options, &mut report)
+            }
+            Err(problems) => {
+                report.diagnostics.extend(problems);
+                None
+            }
+        };
         drives.put((drive, report));
     }
 
@@ -69,34 +105,54 @@ impl Adapter for Table {
     }
 }
 
+/// A mapping with the name and the text of its file.
+struct NamedMapping {
+    name: String,
+    text: String,
+    mapping: Mapping,
+}
+
+impl NamedMapping {
+    fn read(name: &str, text: String) -> Result<Self, Vec<Diagnostic>> {
+        let (mapping, problems) = Mapping::read(name, &text);
+        let problems = problems.into_iter().map(findings::with_guide).collect();
+        mapping.map(|mapping| Self { name: name.to_owned(), text, mapping }).ok_or(problems)
+    }
+}
+
+/// The mapping that the options name.
+fn own_mapping(options: &Options) -> Result<Option<NamedMapping>, Vec<Diagnostic>> {
+    let Some(file) = options.file(&MAPPING) else { return Ok(None) };
+    let name = file.display().to_string();
+    let text = Input::from(file).text().map(|text| text.into_owned());
+    let text = text.map_err(|e| vec![findings::mapping_unreadable(&name, &e.to_string())])?;
+    NamedMapping::read(&name, text).map(Some)
+}
+
 /// Drive folders at or below `path`, sorted: with a drive file and a table, or with the tables of ego and objects, and
 /// not of a lake (which has `clips.parquet`).
 pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
-    find_folders(path, is_drive)
+    find_folders(path, |dir| is_drive(dir, None))
 }
 
-fn is_drive(dir: &Path) -> bool {
+fn is_drive(dir: &Path, mapping: Option<&Mapping>) -> bool {
     let dir = Folder::Disk(dir);
-    let has = |stem| sheet_file(dir, stem).is_some();
+    let has = |stem| !files_of(dir, stem, mapping).is_empty();
     // Both tables without a drive file are a drive whose file is missing, which is reported.
-    let is_meant = if meta::drive_file(dir).is_some() {
-        has("ego") || has("objects")
-    } else {
-        has("ego") && has("objects")
-    };
+    let is_described = meta::drive_file(dir).is_some() || mapping.is_some_and(|m| m.drive.is_some());
+    let is_meant = if is_described { has("ego") || has("objects") } else { has("ego") && has("objects") };
     is_meant && !dir.has("clips.parquet")
 }
 
-/// The tables of a drive.
-const TABLES: &[&str] = &["ego", "objects", "lanes", "areas", "signs", "lights", "context"];
 /// Endings of what programs write tables into.
 const ENDINGS: &[&str] =
     &["csv", "parquet", "tsv", "txt", "gz", "zst", "xz", "zip", "xlsx", "json", "feather"];
 
 /// Files of the folder that are not read and look like a table: another spelling, compressed, a link that leads
 /// nowhere.
-fn unread(dir: Folder<'_>) -> Vec<Diagnostic> {
-    let is_read = |name: &str| TABLES.iter().any(|stem| sheet_file(dir, stem).as_deref() == Some(name));
+fn unread(dir: Folder<'_>, mapping: Option<&Mapping>) -> Vec<Diagnostic> {
+    let is_read =
+        |name: &str| TABLES.iter().any(|stem| files_of(dir, stem, mapping).iter().any(|f| f == name));
     let mut out = Vec::new();
     for name in dir.names() {
         let lower = name.to_lowercase();
@@ -107,7 +163,7 @@ fn unread(dir: Folder<'_>) -> Vec<Diagnostic> {
         let near = |table: &&&str| strsim::damerau_levenshtein(stem, table) <= 1;
         let Some(table) = TABLES.iter().find(near) else { continue };
         // The other form of a table that is read is no loss.
-        let is_other_form = sheet_file(dir, table).is_some() && stem == *table;
+        let is_other_form = !files_of(dir, table, mapping).is_empty() && stem == *table;
         if !is_other_form {
             out.push(findings::unread(&dir.label(&name), table));
         }
@@ -118,24 +174,42 @@ fn unread(dir: Folder<'_>) -> Vec<Diagnostic> {
 /// Reads one drive folder. `None` when there is nothing that could be kept; the report says why.
 pub fn read(dir: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     let mut report = SourceReport::new(dir.display().to_string());
-    let drive = read_drive(Folder::Disk(dir), &file_label(dir), options, &mut report);
+    let drive = match own_mapping(options) {
+        Ok(mapping) => {
+            read_drive(Folder::Disk(dir), &file_label(dir), mapping.as_ref(), options, &mut report)
+        }
+        Err(problems) => {
+            report.diagnostics.extend(problems);
+            None
+        }
+    };
     (drive, report)
 }
 
-fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut SourceReport) -> Option<Drive> {
-    let mut reader =
-        Reader { dir, hash: ContentHash::new("table", REVISION), report, start: options.start() };
+fn read_drive(
+    dir: Folder<'_>,
+    name: &str,
+    mapping: Option<&NamedMapping>,
+    options: &Options,
+    report: &mut SourceReport,
+) -> Option<Drive> {
+    let mut hash = ContentHash::new("table", REVISION);
+    if let Some(mapping) = mapping {
+        hash.add("mapping", mapping.text.as_bytes());
+    }
+    let mapping = mapping.map(|m| (m.name.as_str(), &m.mapping));
+    let mut reader = Reader { dir, hash, report, start: options.start(), mapping };
     let meta = Meta::read(&mut reader)?;
     match meta.start_time {
         Some(start) => reader.start = start,
         None => options.hash_start(&mut reader.hash),
     }
-    let ego_sheet = reader.sheet("ego", ego::COLUMNS, ego::REQUIRED);
+    let ego_sheet = reader.sheet("ego", ego::REQUIRED);
     let dated = meta.start_time.is_some()
         || options.is_set(&START)
         || ego_sheet.as_ref().is_some_and(sheet::Sheet::states_dates);
     let Some(rows) = ego_sheet.and_then(|s| ego::rows(s, &mut reader)) else {
-        if sheet_file(dir, "ego").is_none() {
+        if files_of(dir, "ego", None).is_empty() && reader.mapping.is_none() {
             reader.report.diagnostics.push(findings::ego_missing(&dir.own_label()));
         }
         return None;
@@ -162,14 +236,14 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
     let ego = rows.at(&clock, &meta.ego);
 
     let mut missing = Vec::new();
-    let (tracks, lacking) = match reader.sheet("objects", objects::COLUMNS, objects::REQUIRED) {
+    let (tracks, lacking) = match reader.sheet("objects", objects::REQUIRED) {
         Some(sheet) => objects::tracks(sheet, &clock, &mut reader),
         None => (Vec::new(), vec![Need::Objects]),
     };
     missing.extend(lacking);
     let map = road::read(&meta.map_complete_for, &mut reader);
     let lights = states::lights(&mut reader);
-    reader.report.diagnostics.extend(unread(dir));
+    reader.report.diagnostics.extend(unread(dir, mapping.map(|m| m.1)));
     let context = states::context(&mut reader);
     if !ego.length_m.is_finite() || !ego.width_m.is_finite() {
         missing.push(Need::EgoSize);
@@ -235,3 +309,9 @@ fn read_drive(dir: Folder<'_>, name: &str, options: &Options, report: &mut Sourc
         media: None,
     })
 }
+
+/// For [`crate::readers`].
+pub(crate) const READERS: &[FileReader] = &[FileReader {
+    name: "table-mapping",
+    read: |bytes| Mapping::read("mapping", &String::from_utf8_lossy(bytes)).0.is_some(),
+}];

@@ -18,6 +18,8 @@ pub(super) fn kind(country: &str, number: &str) -> Option<&'static str> {
                 "276" => "no_overtaking",
                 "283" | "286" => "no_parking",
                 "294" => "stop_line",
+                "301" => "priority",
+                "306" => "priority_road",
                 n if n.len() == 3 && n.starts_with('1') => "warning",
                 _ => return None,
             })
@@ -59,6 +61,8 @@ mod tests {
             [kind("de", "206"), kind("US", "R1-2"), kind("DE", "274-50")],
             [Some("stop"), Some("yield"), Some("speed_limit")]
         );
+        // Right of way at the next junction; a priority road (StVO, annex 3).
+        assert_eq!([kind("DE", "301"), kind("de", "306")], [Some("priority"), Some("priority_road")]);
         assert_eq!((kind("CN", "206"), kind("DE", "600")), (None, None));
         let near = |text: &str, want: f64| speed(text).is_some_and(|v| (v - want).abs() < 1e-9);
         assert!(near("36", 10.0) && near("36 km/h", 10.0) && near("10 m/s", 10.0) && near("100 mph", 44.704));

@@ -128,6 +128,17 @@ fn two_sources_with_one_name_are_two_drives() {
     // Again: both are found; a change of the first replaces the first.
     assert_eq!(write("b", &changed).outcome, Some(WriteOutcome::Unchanged));
     let again = write("a", &changed.replace("speed=\"9", "speed=\"8"));
-    assert_eq!((again.outcome, again.drive_id), (Some(WriteOutcome::Replaced), first.drive_id));
+    assert_eq!((again.outcome, again.drive_id), (Some(WriteOutcome::Replaced), first.drive_id.clone()));
     assert_eq!(lake.drive_ids().len(), 2);
+    // An id that the user states is not changed: of another source it is refused, and nothing is stored.
+    let stated = |folder: &str| {
+        let (sources, _) = find_sources(Some(AdapterRef(&sumo::Sumo)), &[dir.path().join(folder)]);
+        ingest(&sources[0], &Options::default().with_drive_id("mine".into()), &lake)
+    };
+    assert_eq!(stated("a").outcome, Some(WriteOutcome::Written));
+    let refused = stated("b");
+    assert!(refused.outcome.is_none() && refused.lost_input(), "{refused:?}");
+    let said = refused.diagnostics.iter().find(|d| d.code == "ingest.drive_id.taken").unwrap();
+    assert!(said.hint.as_ref().unwrap().en.contains("whyroad lake delete mine"), "{said:?}");
+    assert_eq!((stated("a").outcome, lake.drive_ids().len()), (Some(WriteOutcome::Unchanged), 3));
 }

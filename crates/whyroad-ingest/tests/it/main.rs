@@ -16,6 +16,7 @@ mod scenarionet;
 mod sumo;
 mod sumo_egos;
 mod table;
+mod table_mapping;
 mod waymo;
 
 /// True when every problem is a warning about files that are not recordings, such as the fixtures' scripts.

@@ -231,6 +231,9 @@ fn a_map_in_another_frame_is_reported_and_not_used() {
     assert!(said.message.en.contains("another frame"), "{}", said.message.en);
     assert!(drive.map.is_none() && drive.meta.missing.contains(&Need::Map));
     assert!(codes(&report).contains(&"map.vehicles.off"));
+    // Nothing of it is in the lake.
+    let count = report.tables.iter().find(|t| t.table == "map").unwrap();
+    assert!(count.adds_up() && count.read > 0 && count.kept_total() == 0, "{count:?}");
 }
 
 #[test]

@@ -171,13 +171,18 @@ fn unknown_names_are_told_with_the_nearest_known_one() {
             && absent.location.file.as_deref().unwrap().ends_with("ego.csv")
     );
 
-    let (drive, report) = changed(|dir| edit(dir, "objects.csv", "car-1,car,", "car-1,lorry,"));
+    let (drive, report) = changed(|dir| edit(dir, "objects.csv", "car-1,car,", "car-1,spaceship,"));
     assert_eq!(codes(&report), ["table.class.unknown"]);
     let car = drive.unwrap();
     let car = car.track(&"car-1".into()).unwrap();
     // By time: the first row alone is not known.
-    assert_eq!(car.class_at(0), (ObjectClass::Unknown, "lorry"));
+    assert_eq!(car.class_at(0), (ObjectClass::Unknown, "spaceship"));
     assert_eq!((car.class, car.class_at(1)), (ObjectClass::Car, (ObjectClass::Car, "car")));
+
+    // Usual names are known.
+    let (drive, report) = changed(|dir| edit(dir, "objects.csv", "car-1,car,", "car-1,Van,"));
+    assert!(codes(&report).is_empty(), "{:?}", report.diagnostics);
+    assert_eq!(drive.unwrap().track(&"car-1".into()).unwrap().class_at(0), (ObjectClass::Car, "Van"));
 
     let (drive, report) = changed(|dir| edit(dir, "drive.yaml", "licence:", "license:"));
     assert!(drive.is_some() && codes(&report) == ["table.meta.unknown"]);

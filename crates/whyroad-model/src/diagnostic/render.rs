@@ -1,5 +1,6 @@
 //! Diagnostics as people and machines read them: rustc-like text, JSON lines' array, SARIF 2.1.0.
 
+use super::quotation::shortened;
 use super::{Diagnostic, Severity};
 use crate::{Lang, counted};
 use serde_json::json;
@@ -62,6 +63,7 @@ fn render(d: &Diagnostic, lang: Lang, style: Style) -> String {
         }
     }
     if let Some(pointer) = p.pointer.as_deref().filter(|p| !p.is_empty()) {
+        let pointer = shortened(pointer.to_owned());
         let _ = write!(place, "{}({pointer})", if place.is_empty() { "" } else { " " });
     }
     if !place.is_empty() {

@@ -39,6 +39,16 @@ pub fn render(c: &Comparison, lang: Lang, examples: bool) -> String {
     if changed.is_empty() {
         return out;
     }
+    if c.verdict().is_none() {
+        let _ = writeln!(
+            out,
+            "{}",
+            t(
+                "未提供已接受的标注（--labels），无法判断变化的对错",
+                "no accepted labels were given (--labels): it is unknown which changes are right"
+            )
+        );
+    }
     out.push('\n');
     // As wide as the longest id, which is never cut.
     let ids = changed.iter().map(|(id, _)| id.to_string().len());

@@ -16,7 +16,7 @@ use whyroad_lake::{Lake, LakeError};
 use whyroad_model::{Diagnostic, Severity};
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
-    let (sources, mut problems) = whyroad_ingest::find_sources(args.format, &args.paths);
+    let (sources, mut problems) = whyroad_ingest::find_sources_with(args.format, &args.paths, &args.options);
     if args.options.drive_id.is_some() && sources.len() > 1 {
         let n = sources.len();
         return Err(stop(

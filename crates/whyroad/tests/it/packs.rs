@@ -119,11 +119,23 @@ fn new_drives_stay_loose_and_old_ones_are_replaced_and_deleted() {
     let packs = |list: &[Value]| list.iter().filter(|d| !d["pack"].is_null()).count();
     let list = listed(dir.path());
     assert_eq!((list.len(), packs(&list)), (DRIVES + 1, DRIVES));
-    // Another recording under the same id.
-    let drive = root().join("examples/drives/back_street");
-    let args = ["ingest", "sumo", drive.to_str().unwrap(), "--lake", "lake", "--drive-id", "d1"];
-    let replaced = good(whyroad_in(dir.path(), &args));
-    assert!(!replaced.err.contains("ingest.drive_id.taken") || listed(dir.path()).len() > DRIVES + 1);
+    // Another recording under the same id is refused; the same one, with another content, replaces it.
+    let under_d1 = |name: &str| {
+        let drive = root().join("examples/drives").join(name);
+        whyroad_in(
+            dir.path(),
+            &["ingest", "sumo", drive.to_str().unwrap(), "--lake", "lake", "--drive-id", "d1"],
+        )
+    };
+    let refused = under_d1("back_street");
+    assert!(
+        refused.code == 1 && refused.err.contains("ingest.drive_id.taken"),
+        "{}{}",
+        refused.out,
+        refused.err
+    );
+    let replaced = good(under_d1("multilane"));
+    assert!(!replaced.err.contains("ingest.drive_id.taken") && listed(dir.path()).len() == DRIVES + 1);
     compact(dir.path(), &[]);
     let ids: Vec<Value> = listed(dir.path()).iter().map(|d| d["drive_id"].clone()).collect();
     good(whyroad_in(dir.path(), &["lake", "delete", "d0", "d7", "--lake", "lake", "--mined", "mined"]));

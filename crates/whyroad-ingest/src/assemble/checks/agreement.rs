@@ -145,7 +145,6 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
         let verdict = Verdict::of(&of, ("自车", "the ego"));
         verdict.forget(&mut ego.motion);
         out.extend(verdict.diagnostics);
-        out.extend(turning(&mut ego.motion, &seconds));
         out.extend(with_gravity(&mut ego.bus.vertical_accel, first));
         if let Some(ratio) = wrong_median(&of.of_bus, is_other_unit) {
             ego.bus.speed_mps = Vec::new();
@@ -165,7 +164,7 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
 }
 
 /// Sets stated yaw rates that the headings contradict to unknown.
-fn turning(m: &mut Motion, seconds: &[f64]) -> Option<Diagnostic> {
+pub(super) fn turning(m: &mut Motion, seconds: &[f64]) -> Option<Diagnostic> {
     let apart = |i: usize| {
         let shown = wrap_angle(m.heading[i + 1] - m.heading[i]) / (seconds[i + 1] - seconds[i]);
         (m.yaw_rate[i] - shown).abs()

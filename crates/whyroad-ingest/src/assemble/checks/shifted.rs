@@ -4,30 +4,20 @@
 //! used. Else the map is searched for the shift with which the vehicles drive in its lanes. A shift by whole lanes is
 //! not seen, and neither is one along a road that runs one way only.
 
-use super::warning;
-use crate::assemble::geometry::Bounds;
-use whyroad_model::road_map::{LaneKind, Point3};
-use whyroad_model::scene::{Drive, Motion};
-use whyroad_model::{Bilingual, Diagnostic, Need, ObjectClass, RoadMap};
+use super::fit::{LEAST, LaneLine, Moment, distance_to, lanes, moments};
+use super::{turned, warning};
+use whyroad_model::scene::Drive;
+use whyroad_model::{Bilingual, Diagnostic, Need, RoadMap};
 
-/// A direction of motion is taken over this time, s, of those who move at this speed, m/s.
-const SPAN_S: f64 = 0.5;
-const MOVING_MPS: f64 = 3.0;
-/// One position of a vehicle per this time, s, and at most this many of a vehicle and of all.
-const EVERY_S: f64 = 1.0;
-const PER_VEHICLE: usize = 20;
+/// At most this many positions are compared.
 const MOST: usize = 150;
-/// Fewer vehicles or positions are no evidence: they may all drive beside the middle of their lanes.
+/// Fewer vehicles are no evidence: they may all drive beside the middle of their lanes.
 const LEAST_VEHICLES: usize = 5;
-const LEAST: usize = 25;
 /// A lane that runs within this angle of the motion, as its cosine (20 deg), can be the one that is driven.
 const SAME_WAY: f64 = 0.939_7;
-/// Who is farther from every lane is not in one, m; greater distances do not weigh more than [`OUT_M`].
-const REACH_M: f64 = 6.0;
+/// Greater distances from lanes do not weigh more than this, m.
 const OUT_M: f64 = 1.5;
-/// Shifts that are tried: up to this, m, at these steps, first coarse, then fine.
-const FARTHEST_M: f64 = 4.0;
-const COARSE_M: f64 = 0.5;
+/// Steps of the shifts that are tried last, m.
 const FINE_M: f64 = 0.25;
 /// Of shifts whose mean distances differ by no more, the least is taken, m.
 const EQUAL_M: f64 = 0.05;
@@ -37,6 +27,28 @@ const EQUAL_M: f64 = 0.05;
 const APART_M: f64 = 0.75;
 const SHARE: f64 = 0.65;
 const LEAST_SHIFT_M: f64 = 0.75;
+
+/// Which shifts are tried.
+struct Search {
+    /// Up to this, m.
+    farthest_m: f64,
+    /// At these steps first, m.
+    coarse_m: f64,
+    /// Who is farther from every lane is not on the road of the map, m.
+    reach_m: f64,
+    /// With the best shift vehicles are on average at most this far from the middle of lanes, m.
+    left_m: f64,
+}
+
+/// Who drives in a lane is on average this near to its middle, m.
+const IN_THE_MIDDLE_M: f64 = 0.5;
+
+/// Errors of localization and of maps; other origins and datums. Among so many shifts of the second kind, one that
+/// puts vehicles near lanes proves little: they have to drive in the middle.
+const SEARCHES: [Search; 2] = [
+    Search { farthest_m: 4.0, coarse_m: 0.5, reach_m: 6.0, left_m: f64::INFINITY },
+    Search { farthest_m: 15.0, coarse_m: 1.0, reach_m: 16.0, left_m: IN_THE_MIDDLE_M },
+];
 
 /// At least this share of the positions are in lanes that run the other way only: within this of a center line, m, with
 /// this cosine of the angle (160 deg).
@@ -58,10 +70,18 @@ pub(super) fn check(drive: &mut Drive) -> Option<Diagnostic> {
         }
         return Some(runs_against(against, of));
     }
-    if let Some((outside, of)) = outside(&moments, map) {
-        return Some(lies_beside(outside, of));
+    let shifts: Vec<Shift> = SEARCHES.iter().filter_map(|search| shift(&moments, map, search)).collect();
+    if let Some(shift) = shifts.iter().find(|s| s.left_m <= IN_THE_MIDDLE_M) {
+        return Some(is_shifted(shift));
     }
-    shifted(&passages(&moments, map)?)
+    if let Some(d) = turned::check(&moments, map) {
+        return Some(d);
+    }
+    if let Some(shift) = shifts.first() {
+        return Some(is_shifted(shift));
+    }
+    let (outside, of) = outside(&moments, map)?;
+    Some(lies_beside(outside, of))
 }
 
 /// How many of the positions in or beside lanes are in none; `None` where they are not most. Others are where the map
@@ -127,18 +147,30 @@ fn runs_against(against: usize, of: usize) -> Diagnostic {
     ))
 }
 
-fn shifted(passages: &[Passage]) -> Option<Diagnostic> {
-    let none = mean_distance(passages, [0.0; 2]);
-    if none < APART_M {
+/// A shift of the map with which vehicles drive in its lanes.
+struct Shift {
+    /// Where the vehicles would have to be moved, m; the map the other way.
+    of_vehicles_m: [f64; 2],
+    /// Mean distance from the middle of lanes without it and with it, m.
+    apart_m: f64,
+    left_m: f64,
+}
+
+fn shift(moments: &[Vec<Moment>], map: &RoadMap, search: &Search) -> Option<Shift> {
+    let passages = passages(moments, map, search)?;
+    let apart_m = mean_distance(&passages, [0.0; 2]);
+    if apart_m < APART_M {
         return None;
     }
-    let (shift, left) = best_shift(passages);
-    let far = shift[0].hypot(shift[1]);
-    if left > SHARE * none || far < LEAST_SHIFT_M {
-        return None;
-    }
-    // The map has to move the other way than the vehicles.
-    let [x, y] = shift.map(|v| 0.0 - v);
+    let (of_vehicles_m, left_m) = best_shift(&passages, search);
+    let far = of_vehicles_m[0].hypot(of_vehicles_m[1]);
+    let fits = left_m <= (SHARE * apart_m).min(search.left_m) && far >= LEAST_SHIFT_M;
+    fits.then_some(Shift { of_vehicles_m, apart_m, left_m })
+}
+
+fn is_shifted(shift: &Shift) -> Diagnostic {
+    let [x, y] = shift.of_vehicles_m.map(|v| 0.0 - v);
+    let (none, left) = (shift.apart_m, shift.left_m);
     let d = warning(
         "ingest.map.shifted",
         format!(
@@ -149,13 +181,13 @@ fn shifted(passages: &[Passage]) -> Option<Diagnostic> {
              {left:.1} m when it is moved by ({x:.2}, {y:.2}) m; lanes, lane changes and stop lines may be wrong"
         ),
     );
-    Some(d.with_hint(Bilingual::new(
+    d.with_hint(Bilingual::new(
         format!("检查地图与位姿的原点、投影与基准；仍有偏移时用 `--map` 与 `--map-offset {x:.2},{y:.2}` 重新导入"),
         format!(
             "check origin, projection and datum of the map and of the poses; if they are right, ingest again with `--map` \
              and `--map-offset {x:.2},{y:.2}`"
         ),
-    )))
+    ))
 }
 
 /// A position of a moving vehicle with the pieces of lanes that it can be in: their start, direction and length.
@@ -174,28 +206,22 @@ impl Passage {
     }
 }
 
-/// Distance from a piece of a line that begins at `start`, m.
-fn distance_to(at: [f64; 2], start: [f64; 2], unit: [f64; 2], length: f64) -> f64 {
-    let (x, y) = (at[0] - start[0], at[1] - start[1]);
-    let along = (x * unit[0] + y * unit[1]).clamp(0.0, length);
-    (x - along * unit[0]).hypot(y - along * unit[1])
-}
-
 fn mean_distance(passages: &[Passage], shift: [f64; 2]) -> f64 {
     passages.iter().map(|p| p.distance(shift).min(OUT_M)).sum::<f64>() / passages.len() as f64
 }
 
 /// The least shift of the vehicles that puts them into lanes, m, and their mean distance then.
-fn best_shift(passages: &[Passage]) -> ([f64; 2], f64) {
-    let steps = (FARTHEST_M / COARSE_M) as i32;
-    let coarse: Vec<([f64; 2], f64)> = around([0.0; 2], COARSE_M, steps)
-        .filter(|s| s[0].hypot(s[1]) <= FARTHEST_M)
+fn best_shift(passages: &[Passage], search: &Search) -> ([f64; 2], f64) {
+    let steps = (search.farthest_m / search.coarse_m) as i32;
+    let coarse: Vec<([f64; 2], f64)> = around([0.0; 2], search.coarse_m, steps)
+        .filter(|s| s[0].hypot(s[1]) <= search.farthest_m)
         .map(|s| (s, mean_distance(passages, s)))
         .collect();
     let least = coarse.iter().map(|(_, left)| *left).fold(f64::INFINITY, f64::min);
     let equal = coarse.into_iter().filter(|(_, left)| *left <= least + EQUAL_M).map(|(s, _)| s);
     let near = equal.min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1]))).unwrap_or_default();
-    let fine = around(near, FINE_M, 1).map(|s| (s, mean_distance(passages, s)));
+    let fine = around(near, FINE_M, (search.coarse_m / 2.0 / FINE_M).ceil() as i32)
+        .map(|s| (s, mean_distance(passages, s)));
     fine.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((near, least))
 }
 
@@ -205,28 +231,8 @@ fn around([x, y]: [f64; 2], step: f64, steps: i32) -> impl Iterator<Item = [f64;
         .flat_map(move |i| (-steps..=steps).map(move |j| [x + f64::from(i) * step, y + f64::from(j) * step]))
 }
 
-/// Where the vehicles drive, of each; `None` where there is too little.
-fn moments(drive: &Drive) -> Option<Vec<Vec<Moment>>> {
-    let start = *drive.times.first()?;
-    let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    let ego = drive.ego.iter().map(|e| driven(&e.motion, &seconds));
-    let others = drive.tracks.iter().filter(|t| drives_in_lanes(t.class)).map(|t| {
-        let times: Vec<f64> =
-            t.frames.iter().map(|&f| seconds.get(f as usize).copied().unwrap_or(f64::NAN)).collect();
-        driven(&t.motion, &times)
-    });
-    let vehicles: Vec<Vec<Moment>> = ego.chain(others).filter(|v| !v.is_empty()).collect();
-    (vehicles.iter().map(Vec::len).sum::<usize>() >= LEAST).then_some(vehicles)
-}
-
-/// Lanes that vehicles drive in.
-fn lanes(map: &RoadMap) -> Vec<(&[Point3], Bounds)> {
-    let driven = map.lanes.iter().filter(|l| matches!(l.kind, LaneKind::Vehicle | LaneKind::Bus));
-    driven.map(|l| (l.center.as_slice(), Bounds::of(&l.center))).collect()
-}
-
 /// The positions of vehicles in or beside lanes; `None` where there are too few.
-fn passages(vehicles: &[Vec<Moment>], map: &RoadMap) -> Option<Vec<Passage>> {
+fn passages(vehicles: &[Vec<Moment>], map: &RoadMap, search: &Search) -> Option<Vec<Passage>> {
     let lanes = lanes(map);
     let all: usize = vehicles.iter().map(Vec::len).sum();
     let stride = all.div_ceil(MOST);
@@ -237,7 +243,7 @@ fn passages(vehicles: &[Vec<Moment>], map: &RoadMap) -> Option<Vec<Passage>> {
         for moment in vehicle {
             count += 1;
             if count.is_multiple_of(stride) {
-                out.extend(moment.passage(&lanes));
+                out.extend(passage(moment, &lanes, search));
             }
         }
         of_vehicles += usize::from(out.len() > before);
@@ -245,73 +251,14 @@ fn passages(vehicles: &[Vec<Moment>], map: &RoadMap) -> Option<Vec<Passage>> {
     (of_vehicles >= LEAST_VEHICLES && out.len() >= LEAST).then_some(out)
 }
 
-/// Two-wheelers drive anywhere in a lane.
-fn drives_in_lanes(class: ObjectClass) -> bool {
-    let rides = matches!(class, ObjectClass::Motorcycle | ObjectClass::Motorcyclist | ObjectClass::Tricycle);
-    class.is_vehicle() && !rides
-}
-
-/// Where a vehicle is and the direction in which it moves.
-struct Moment {
-    at: [f64; 2],
-    unit: [f64; 2],
-}
-
-impl Moment {
-    /// Calls `each` with start, direction and length of the pieces of lanes within `reach`, m, and some beyond.
-    fn each_near(
-        &self,
-        lanes: &[(&[Point3], Bounds)],
-        reach: f64,
-        each: &mut dyn FnMut([f64; 2], [f64; 2], f64),
-    ) {
-        let [x, y] = self.at;
-        let here = Bounds::of(&[Point3 { x, y, z: 0.0 }]);
-        for (line, _) in lanes.iter().filter(|(_, bounds)| !bounds.are_apart(&here, reach)) {
-            for w in line.windows(2) {
-                let (dx, dy) = (w[1].x - w[0].x, w[1].y - w[0].y);
-                let length = dx.hypot(dy);
-                if length > 1e-3 {
-                    each([w[0].x, w[0].y], [dx / length, dy / length], length);
-                }
-            }
+/// A position with the lanes that can be meant; `None` where none is near.
+fn passage(moment: &Moment, lanes: &[LaneLine<'_>], search: &Search) -> Option<Passage> {
+    let mut pieces = Vec::new();
+    moment.each_near(lanes, search.reach_m + search.farthest_m, &mut |start, unit, length| {
+        if unit[0] * moment.unit[0] + unit[1] * moment.unit[1] >= SAME_WAY {
+            pieces.push((start, unit, length));
         }
-    }
-
-    /// With the lanes that can be meant; `None` where none is near.
-    fn passage(&self, lanes: &[(&[Point3], Bounds)]) -> Option<Passage> {
-        let mut pieces = Vec::new();
-        self.each_near(lanes, REACH_M + FARTHEST_M, &mut |start, unit, length| {
-            if unit[0] * self.unit[0] + unit[1] * self.unit[1] >= SAME_WAY {
-                pieces.push((start, unit, length));
-            }
-        });
-        let passage = Passage { at: self.at, pieces };
-        (passage.distance([0.0; 2]) <= REACH_M).then_some(passage)
-    }
-}
-
-/// Moments of a motion whose rows are at these times, s: one in [`EVERY_S`] while it moves.
-fn driven(m: &Motion, seconds: &[f64]) -> Vec<Moment> {
-    let mut out = Vec::new();
-    let (mut end, mut next) = (0, f64::NEG_INFINITY);
-    for i in 0..m.len().min(seconds.len()) {
-        while end < seconds.len() && seconds[end] < seconds[i] + SPAN_S - 1e-3 {
-            end += 1;
-        }
-        if end >= seconds.len().min(m.len()) || out.len() >= PER_VEHICLE {
-            break;
-        }
-        let took = seconds[end] - seconds[i];
-        let (dx, dy) = (m.x[end] - m.x[i], m.y[end] - m.y[i]);
-        let length = dx.hypot(dy);
-        // A comparison with what is not known is false.
-        let moves = took <= 2.0 * SPAN_S && length >= MOVING_MPS * took && length > 0.0;
-        if seconds[i] >= next && moves {
-            let at = [f64::midpoint(m.x[i], m.x[end]), f64::midpoint(m.y[i], m.y[end])];
-            out.push(Moment { at, unit: [dx / length, dy / length] });
-            next = seconds[i] + EVERY_S;
-        }
-    }
-    out
+    });
+    let passage = Passage { at: moment.at, pieces };
+    (passage.distance([0.0; 2]) <= search.reach_m).then_some(passage)
 }

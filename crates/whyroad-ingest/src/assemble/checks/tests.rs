@@ -1,6 +1,7 @@
 //! Per check: a drive with one impossible value, and the same drive without it.
 
 use super::*;
+use std::f64::consts::PI;
 use whyroad_model::ObjectClass;
 use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState, Track};
 
@@ -172,7 +173,7 @@ fn degrees_gravity_and_other_units_are_reported_and_not_used() {
     let mut d = drive();
     let ego = d.ego.as_mut().unwrap();
     (ego.motion.yaw_rate, ego.bus.vertical_accel) = (vec![2.0; 50], vec![9.7; 50]);
-    assert_eq!(codes(&mut d), ["ingest.yaw_rate.contradicts", "ingest.vertical_accel.gravity"]);
+    assert_eq!(codes(&mut d), ["ingest.vertical_accel.gravity", "ingest.yaw_rate.contradicts"]);
     let ego = d.ego.unwrap();
     assert!(ego.motion.yaw_rate[3].is_nan() && ego.bus.vertical_accel.is_empty());
 }
@@ -352,7 +353,7 @@ fn speeds_and_headings_that_differ_a_little_are_used() {
 #[test]
 fn headings_in_degrees_are_not_used() {
     let mut d = drive();
-    let turn = 2.0 * std::f64::consts::PI;
+    let turn = 2.0 * PI;
     d.tracks[0].motion.heading.fill(90.0 - 14.0 * turn);
     let found = check(&mut d);
     assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.heading.contradicts"]);
@@ -368,14 +369,14 @@ fn a_heading_that_jumps_and_comes_back_is_lost_alone() {
     for m in [&mut d.ego.as_mut().unwrap().motion, &mut d.tracks[0].motion] {
         m.x.iter_mut().for_each(|x| *x = -*x);
         m.vx.fill(-10.0);
-        m.heading.fill(std::f64::consts::PI);
+        m.heading.fill(PI);
         (m.heading[20], m.heading[21]) = (-0.1, 1.6);
     }
     let found = check(&mut d);
     assert_eq!(found.iter().map(|d| d.code).collect::<Vec<_>>(), ["ingest.heading.impossible"]);
     assert!(found[0].message.en.starts_with("4 headings of 2 objects"), "{}", found[0].message.en);
     let m = &d.ego.unwrap().motion;
-    assert!(m.heading[20].is_nan() && m.heading[21].is_nan() && m.heading[22] == std::f64::consts::PI);
+    assert!(m.heading[20].is_nan() && m.heading[21].is_nan() && m.heading[22] == PI);
     assert!(m.x.iter().all(|x| x.is_finite()));
 }
 
@@ -418,4 +419,142 @@ fn sizes_in_another_unit_and_the_ego_among_the_objects() {
     d.tracks.push(own);
     assert_eq!(codes(&mut d), ["ingest.ego.among_objects", "ingest.size.impossible"]);
     assert!(d.tracks.len() == 1 && d.tracks[0].length_m[0].is_nan() && d.ego.unwrap().length_m == 4.8);
+}
+
+/// A source that counts braking as positive, or turns to the right; and in g. By hand: v = 10 + 2 t for 2.5 s, then
+/// braking again; a bend of 0.3 rad/s.
+#[test]
+fn accelerations_and_yaw_rates_of_another_sign_or_unit_are_unknown() {
+    let with = |accel: f64, yaw: f64| {
+        let mut d = drive();
+        let ego = d.ego.as_mut().unwrap();
+        let m = &mut ego.motion;
+        m.yaw_rate = vec![0.3 * yaw; 50];
+        let (mut x, mut y) = (0.0, 0.0);
+        for i in 0..50 {
+            let t = i as f64 / 10.0;
+            let speed = 10.0 + 2.0 * (2.5 - (t - 2.5).abs());
+            m.heading[i] = 0.3 * t;
+            (m.vx[i], m.vy[i]) = (speed * m.heading[i].cos(), speed * m.heading[i].sin());
+            m.accel[i] = accel * if t < 2.5 { 2.0 } else { -2.0 };
+            (x, y) = (x + 0.1 * m.vx[i], y + 0.1 * m.vy[i]);
+            (m.x[i], m.y[i]) = (x, y);
+        }
+        let found = check(&mut d);
+        let m = d.ego.unwrap().motion;
+        let hints = found.iter().map(|d| d.hint.clone().unwrap().en).collect::<Vec<_>>().join("; ");
+        let codes: Vec<&str> = found.iter().map(|d| d.code).collect();
+        (codes, m.accel[3].is_nan(), m.yaw_rate[3].is_nan(), hints)
+    };
+    assert_eq!(with(1.0, 1.0), (vec![], false, false, String::new()));
+    // Measured a fifth too high, or with a filter.
+    assert_eq!(with(1.2, 0.8).0, Vec::<&str>::new());
+    let (codes, accel, yaw, hints) = with(-1.0, -1.0);
+    assert_eq!(
+        (codes, accel, yaw),
+        (vec!["ingest.accel.contradicts", "ingest.yaw_rate.contradicts"], true, true)
+    );
+    assert!(hints.contains("braking negative") && hints.contains("turning left is positive"), "{hints}");
+    let (codes, _, _, hints) = with(1.0 / 9.806_65, 1.0);
+    assert!(codes == ["ingest.accel.contradicts"] && hints.contains("1 g"), "{codes:?} {hints}");
+}
+
+/// Coordinates of UTM are no fault; one row at the origin of the plane, 5400 km away, is.
+#[test]
+fn positions_of_a_projected_frame_are_compared_with_its_start() {
+    let mut d = drive();
+    for m in d.ego.iter_mut().map(|e| &mut e.motion).chain(d.tracks.iter_mut().map(|t| &mut t.motion)) {
+        m.x.iter_mut().for_each(|x| *x += 500_000.0);
+        m.y.iter_mut().for_each(|y| *y += 5_400_000.0);
+    }
+    let mut right = d.clone();
+    assert!(codes(&mut right).is_empty());
+    (d.tracks[0].motion.x[9], d.tracks[0].motion.y[9]) = (0.0, 0.0);
+    assert_eq!(codes(&mut d), ["ingest.position.far"]);
+    assert!(d.tracks[0].motion.x[9].is_nan() && d.tracks[0].motion.x[8] == 500_028.0);
+}
+
+/// The rear axle stands at (30, 0) from 3 s on and its heading goes round, so that the middle of the car does: 1.4 m
+/// ahead of the axle. With the heading at which it stopped it is at (31.4, 0).
+#[test]
+fn a_heading_that_turns_at_rest_is_the_one_before() {
+    let standing = |spin: f64, creep: f64| {
+        let mut d = drive();
+        let ego = d.ego.as_mut().unwrap();
+        ego.reference_to_centre_m = 1.4;
+        let m = &mut ego.motion;
+        (m.vx, m.vy) = (vec![f64::NAN; 50], vec![f64::NAN; 50]);
+        for i in 0..50 {
+            let t = i as f64 / 10.0;
+            let rest = (t - 3.0_f64).max(0.0);
+            m.heading[i] = wrap_angle(spin * rest);
+            let axle = 10.0 * t.min(3.0) + creep * rest;
+            (m.x[i], m.y[i]) = (axle + 1.4 * m.heading[i].cos(), 1.4 * m.heading[i].sin());
+        }
+        let found = codes(&mut d);
+        (found, d.ego.unwrap().motion)
+    };
+    let (found, m) = standing(1.5, 0.0);
+    assert_eq!(found, ["ingest.heading.standing"]);
+    assert!(m.heading.iter().all(|h| h.abs() < 0.11), "{:?}", m.heading);
+    assert!((m.x[45] - 31.4).abs() < 1e-9 && m.y[45].abs() < 1e-9, "{} {}", m.x[45], m.y[45]);
+    // A few degrees are an error of the sensor, and a car that creeps round a corner at 1 m/s moves.
+    assert!(standing(0.04, 0.0).0.is_empty());
+    assert!(standing(0.35, 1.0).0.is_empty());
+}
+
+/// Two streets that cross, two lanes each, cars in the middle of lanes; the map is moved by 10 m, or turned about the
+/// first place of the ego.
+#[test]
+fn a_map_far_beside_or_turned_is_reported() {
+    let with = |change: &dyn Fn(f64, f64) -> (f64, f64)| {
+        let mut d = drive();
+        let n = 50;
+        // Both ways on both streets, at different speeds and beginnings.
+        let ways = [(0.0, -1.75), (PI, 1.75), (PI / 2.0, 1.75), (-PI / 2.0, -1.75)];
+        d.tracks = (0..8)
+            .map(|k| {
+                let (heading, side) = ways[k % 4];
+                let speed = 8.0 + k as f64;
+                let mut m = Motion { heading: vec![heading; n], ..Motion::unknown(n) };
+                for i in 0..n {
+                    let along = -40.0 + 7.0 * k as f64 + speed * i as f64 / 10.0;
+                    let (s, c) = heading.sin_cos();
+                    (m.x[i], m.y[i]) = if k % 4 < 2 { (along * c, side) } else { (side, along * s) };
+                }
+                Track { id: format!("t{k}").as_str().into(), motion: m, ..d.tracks[0].clone() }
+            })
+            .collect();
+        let ego = d.ego.as_mut().unwrap();
+        ego.motion.y = vec![-1.75; n];
+        let line = |points: [(f64, f64); 2]| {
+            points.map(|(x, y)| {
+                let (x, y) = change(x, y);
+                (x, y, f64::NAN)
+            })
+        };
+        d.map = Some(RoadMap {
+            lanes: vec![
+                lane("e", &line([(-150.0, -1.75), (150.0, -1.75)])),
+                lane("w", &line([(150.0, 1.75), (-150.0, 1.75)])),
+                lane("n", &line([(1.75, -150.0), (1.75, 150.0)])),
+                lane("s", &line([(-1.75, 150.0), (-1.75, -150.0)])),
+            ],
+            ..RoadMap::default()
+        });
+        check(&mut d)
+    };
+    let said = |found: &[Diagnostic]| found.iter().map(|d| d.code).collect::<Vec<_>>();
+    assert!(with(&|x, y| (x, y)).is_empty());
+    let found = with(&|x, y| (x + 8.0, y - 6.0));
+    assert_eq!(said(&found), ["ingest.map.shifted"]);
+    let hint = &found[0].hint.as_ref().unwrap().en;
+    assert!(hint.contains("--map-offset -8.00,6.00"), "{hint}");
+    for degrees in [3.0_f64, -6.0] {
+        let (s, c) = degrees.to_radians().sin_cos();
+        let found = with(&|x, y| (c * x - s * y, s * x + c * y));
+        assert_eq!(said(&found), ["ingest.map.turned"], "{degrees}");
+        let (amount, way) = (degrees.abs(), if degrees > 0.0 { "counter-clockwise" } else { "clockwise" });
+        assert!(found[0].message.en.contains(&format!("about {amount:.1} degrees {way}")), "{:?}", found[0]);
+    }
 }

@@ -1,6 +1,7 @@
 //! The meaning of each topic: from the user's mapping file (`--mapping FILE`), else from message types with a fixed
 //! meaning. The mapping file is documented in `docs/reference/formats.md`.
 
+use crate::mapping_file::{class, number, one_of};
 use std::collections::BTreeMap;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
 use whyroad_model::{Diagnostic, ObjectClass};
@@ -139,10 +140,8 @@ fn mapping(root: &Node, report: &mut FileReport) -> Option<Mapping> {
         }
     }
     if let Some(node) = fields.get("classes") {
-        let ids: Vec<&str> = ObjectClass::ALL.iter().map(|c| c.id()).collect();
         for entry in report.entries(node)? {
-            let class = one_of(&entry.node, report, ObjectClass::from_id, &ids);
-            if let Some(class) = class {
+            if let Some(class) = class(&entry.node, report) {
                 out.classes.insert(entry.key.clone(), class);
             }
         }
@@ -193,40 +192,6 @@ fn rule(node: &Node, report: &mut FileReport) -> Option<Rule> {
     };
     fields.close(report);
     Some(rule)
-}
-
-fn number(node: &Node, report: &mut FileReport) -> Option<f64> {
-    let text = report.text(node)?;
-    let number = text.parse().ok().filter(|v: &f64| v.is_finite());
-    if number.is_none() {
-        report.error(
-            FORM.kind,
-            node,
-            format!("此处应为数值，实为 '{text}'"),
-            format!("expected a number, found '{text}'"),
-        );
-    }
-    number
-}
-
-fn one_of<T>(
-    node: &Node,
-    report: &mut FileReport,
-    known: impl Fn(&str) -> Option<T>,
-    ids: &[&str],
-) -> Option<T> {
-    let text = report.text(node)?;
-    let value = known(&text);
-    if value.is_none() {
-        let ids = ids.join(", ");
-        report.error(
-            FORM.kind,
-            node,
-            format!("'{text}' 未知；可用的值：{ids}"),
-            format!("'{text}' is unknown; the values are {ids}"),
-        );
-    }
-    value
 }
 
 /// The rule of a message type whose meaning is fixed; `None` for all others.

@@ -2,6 +2,7 @@
 
 use super::*;
 use serde_json::json;
+use whyroad_model::ObjectClass;
 
 fn read_json(v: &Value) -> (Option<Drive>, SourceReport) {
     let dir = tempfile::tempdir().unwrap();

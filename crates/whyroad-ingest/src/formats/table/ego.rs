@@ -10,32 +10,6 @@ use crate::assemble::resample::{greatest, latest, linear};
 use crate::report::RowCount;
 use whyroad_model::scene::{Ego, EgoBus};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "timestamp_ns",
-    "time",
-    "time_s",
-    "x_m",
-    "y_m",
-    "z_m",
-    "heading_rad",
-    "heading_deg",
-    "vx_mps",
-    "vy_mps",
-    "speed_mps",
-    "accel_mps2",
-    "yaw_rate_radps",
-    "bus_speed_mps",
-    "steering_rad",
-    "throttle",
-    "brake",
-    "gear",
-    "turn_signal",
-    "aeb",
-    "wipers",
-    "vertical_accel_mps2",
-    "cruise",
-    "route_command",
-];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["x_m"], &["y_m"], &["heading_rad", "heading_deg"]];
 
 /// No drive begins this long after its start, s: 2001-09-09 as seconds since 1970.

@@ -20,7 +20,80 @@ pub(crate) const CODES: &[&str] = &[
     "table.meta.unknown",
     "table.class.unknown",
     "table.word.unknown",
+    "table.mapping",
+    "table.mapping.absent",
+    "table.mapping.ambiguous",
+    "table.column.unread",
 ];
+
+fn mapping_guide() -> Bilingual {
+    Bilingual::new(
+        "docs/reference/table-mapping.zh.md 说明映射文件",
+        "docs/reference/table-mapping.md describes the mapping file",
+    )
+}
+
+/// A problem of the mapping file, with the page that describes the file.
+pub(super) fn with_guide(d: Diagnostic) -> Diagnostic {
+    if d.hint.is_some() { d } else { d.with_hint(mapping_guide()) }
+}
+
+pub(super) fn mapping_unreadable(file: &str, reason: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("映射文件无法读取：{reason_zh}", reason_zh = zh(reason)),
+        format!("the mapping file cannot be read: {reason}"),
+    );
+    Diagnostic::error("table.mapping", message).with_hint(mapping_guide()).in_file(file)
+}
+
+/// A file of the mapping that a drive does not have.
+pub(super) fn no_file(dir: &str, table: &str, pattern: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("没有映射文件为表 '{table}' 指定的文件 '{pattern}'，其内容为未知"),
+        format!(
+            "there is no '{pattern}', which the mapping names for the table '{table}': what it is about is unknown"
+        ),
+    );
+    let hint = Bilingual::new("改正映射文件中的文件名", "correct the name in the mapping file");
+    Diagnostic::warning("table.mapping.absent", message).with_hint(hint).in_file(dir)
+}
+
+/// A column of the mapping that a file does not have; `others`: columns that nothing reads.
+pub(super) fn mapped_column_absent(file: &str, column: &str, others: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("没有映射文件所写的列 '{column}'，其内容为未知"),
+        format!("there is no column '{column}', which the mapping names: what it would say is unknown"),
+    );
+    let hint = if others.is_empty() {
+        Bilingual::new("改正映射文件中的列名", "correct the name in the mapping file")
+    } else {
+        Bilingual::new(
+            format!("改正映射文件中的列名；未读取的列：{others}"),
+            format!("correct the name in the mapping file; columns that nothing reads: {others}"),
+        )
+    };
+    Diagnostic::warning("table.mapping.absent", message).with_hint(hint).in_file(file)
+}
+
+/// Several files fit the name that the mapping gives for one table.
+pub(super) fn several_files(dir: &str, table: &str, names: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("映射文件为表 '{table}' 指定的文件名有多个文件符合：{names}"),
+        format!("the name that the mapping gives for the table '{table}' fits several files: {names}"),
+    );
+    let hint = Bilingual::new(
+        "一个文件夹是一个行程：分开各行程的文件，或写得更具体",
+        "one folder is one drive: put the files of each drive into a folder of their own, or name the file more closely",
+    );
+    Diagnostic::error("table.mapping.ambiguous", message).with_hint(hint).in_file(dir)
+}
+
+/// Columns that neither the mapping nor the layout names.
+pub(super) fn columns_unread(file: &str, names: &str) -> Diagnostic {
+    let message =
+        Bilingual::new(format!("未读取的列：{names}"), format!("columns that nothing reads: {names}"));
+    Diagnostic::note("table.column.unread", message).with_hint(mapping_guide()).in_file(file)
+}
 
 pub(super) fn ego_missing(dir: &str) -> Diagnostic {
     let message = Bilingual::new("没有 ego.parquet 或 ego.csv", "there is neither ego.parquet nor ego.csv");

@@ -1,17 +1,14 @@
 //! `drive.yaml` or `drive.json`: what is known about the drive as a whole.
 
 use super::findings;
+use super::layout::{EGO_KEYS, KEYS};
 use super::reader::Reader;
 use super::words::UnknownWords;
 use crate::assemble::layers::Declared;
-use crate::encodings::input::Folder;
+use crate::encodings::input::{Folder, Input};
 use crate::phrases::zh;
 use whyroad_model::yaml::{self, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, Nanos};
-
-const KEYS: &[&str] =
-    &["drive_id", "source", "place", "map_ref", "licence", "start_time", "ego", "map_complete_for"];
-const EGO_KEYS: &[&str] = &["length_m", "width_m", "height_m", "reference_to_centre_m"];
 
 /// Longest size of a vehicle, and greatest distance of its reference point from its middle, m.
 const MOST_SIZE_M: f64 = 60.0;
@@ -53,35 +50,23 @@ impl Meta {
     /// drive.
     pub fn read(reader: &mut Reader) -> Option<Self> {
         let folder = reader.dir.own_label();
+        let shared = reader.mapping.and_then(|(name, mapping)| Some((name, mapping.drive.as_ref()?)));
         let found = drive_file(reader.dir).and_then(|name| Some((name, reader.dir.file(name)?)));
-        let Some((name, file)) = found else {
-            let en = "drive.yaml is missing; it states the reference point of the ego's pose".to_owned();
-            reader.report.diagnostics.push(findings::bad_meta(
-                &folder,
-                "没有 drive.yaml，无法知道自车位姿的参考点".into(),
-                en,
-            ));
-            return None;
-        };
-        let label = reader.dir.label(name);
-        let text = file.text().map_err(|e| Bilingual::new(zh(&e.to_string()), e.to_string()));
-        let parsed = text.and_then(|text| {
-            reader.hash.add("drive", text.as_bytes());
-            // YAML reads JSON too.
-            yaml::parse(&text).map_err(|e| {
-                let (message, at) = (e.message(), format!("{}:{}", e.mark.line, e.mark.column));
-                Bilingual::new(format!("{at}：{}", message.zh), format!("{at}: {}", message.en))
-            })
-        });
-        let out = &mut reader.report.diagnostics;
-        let root = match parsed {
-            Ok(root) if matches!(root.value, Value::Map(_)) => root,
-            Ok(_) => return fail(out, &label, "不是键值表", "the file is not a table of keys"),
-            Err(e) => {
-                let (zh, en) = (format!("无法读取：{}", e.zh), format!("it cannot be read: {}", e.en));
-                return fail(out, &label, &zh, &en);
+        let (label, root) = match (found, shared) {
+            (Some((name, file)), _) => {
+                let label = reader.dir.label(name);
+                let root = parse(&file, &label, reader)?;
+                (label, shared.map_or(root.clone(), |(_, shared)| completed(root, shared)))
+            }
+            (None, Some((name, shared))) => (name.to_owned(), shared.clone()),
+            (None, None) => {
+                let en = "drive.yaml is missing; it states the reference point of the ego's pose".to_owned();
+                let out = &mut reader.report.diagnostics;
+                out.push(findings::bad_meta(&folder, "没有 drive.yaml，无法知道自车位姿的参考点".into(), en));
+                return None;
             }
         };
+        let out = &mut reader.report.diagnostics;
         unknown_keys(&root, KEYS, &label, out);
         let ego = root.get("ego");
         if let Some(ego) = ego {
@@ -159,6 +144,43 @@ impl Meta {
             },
         })
     }
+}
+
+/// The file as a table of keys; what is wrong with it goes into the report.
+fn parse(file: &Input<'_>, label: &str, reader: &mut Reader) -> Option<Node> {
+    let text = file.text().map_err(|e| Bilingual::new(zh(&e.to_string()), e.to_string()));
+    let parsed = text.and_then(|text| {
+        reader.hash.add("drive", text.as_bytes());
+        // YAML reads JSON too.
+        yaml::parse(&text).map_err(|e| {
+            let (message, at) = (e.message(), format!("{}:{}", e.mark.line, e.mark.column));
+            Bilingual::new(format!("{at}：{}", message.zh), format!("{at}: {}", message.en))
+        })
+    });
+    let out = &mut reader.report.diagnostics;
+    match parsed {
+        Ok(root) if matches!(root.value, Value::Map(_)) => Some(root),
+        Ok(_) => fail(out, label, "不是键值表", "the file is not a table of keys"),
+        Err(e) => {
+            let (zh, en) = (format!("无法读取：{}", e.zh), format!("it cannot be read: {}", e.en));
+            fail(out, label, &zh, &en)
+        }
+    }
+}
+
+/// The drive's own keys, and those of `shared` that it does not have.
+fn completed(mut own: Node, shared: &Node) -> Node {
+    let Value::Map(entries) = &mut own.value else { return own };
+    for entry in shared.entries() {
+        match entries.iter_mut().find(|e| e.key == entry.key) {
+            None => entries.push(entry.clone()),
+            Some(e) if matches!(e.node.value, Value::Map(_)) => {
+                e.node = completed(e.node.clone(), &entry.node);
+            }
+            Some(_) => {}
+        }
+    }
+    own
 }
 
 fn complete_for(list: Option<&Node>, file: &str, out: &mut Vec<Diagnostic>) -> Declared {

@@ -5,6 +5,7 @@ use super::findings;
 use super::problems::Problems;
 use super::reader::{Clock, Reader, gap_for};
 use super::sheet::{Sheet, TIME};
+use crate::assemble::class_names::class_of;
 use crate::assemble::frames::{Sample, Sampled, median};
 use crate::assemble::resample::{latest, linear};
 use crate::report::RowCount;
@@ -13,28 +14,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::scene::{FRAME_RATE_HZ, Track, TurnSignal};
 use whyroad_model::{Need, ObjectClass, TrackId};
 
-pub(super) const COLUMNS: &[&str] = &[
-    "timestamp_ns",
-    "time",
-    "time_s",
-    "track_id",
-    "class",
-    "x_m",
-    "y_m",
-    "z_m",
-    "heading_rad",
-    "heading_deg",
-    "vx_mps",
-    "vy_mps",
-    "speed_mps",
-    "length_m",
-    "width_m",
-    "height_m",
-    "interior_points",
-    "turn_signal",
-    "visible_share",
-    "occluder",
-];
 pub(super) const REQUIRED: &[&[&str]] = &[TIME, &["track_id"], &["class"], &["x_m"], &["y_m"]];
 
 /// A column in which every row is unknown counts as absent.
@@ -86,6 +65,8 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         near(next) || next.checked_sub(1).is_some_and(near)
     };
 
+    let mapping = reader.mapping.map(|m| m.1);
+    let class_of = |word: &str| mapping.map_or_else(|| class_of(word), |mapping| mapping.class(word));
     let mut unknown_classes: BTreeMap<&str, usize> = BTreeMap::new();
     let mut impossible = BTreeMap::new();
     let mut tracks = Vec::new();
@@ -112,7 +93,7 @@ pub(super) fn tracks(sheet: Sheet, clock: &Clock, reader: &mut Reader) -> (Vec<T
         }
         let stated = |i: usize| {
             let word = classes[i].as_deref().unwrap_or("unknown");
-            (ObjectClass::from_id(&word.to_lowercase()), word)
+            (class_of(word), word)
         };
         for &i in &kept {
             if let (None, word) = stated(i) {

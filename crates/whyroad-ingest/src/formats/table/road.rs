@@ -14,26 +14,6 @@ use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Facility, Lane, Point3, StopLine};
 use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS};
 
-const LANE_COLUMNS: &[&str] = &[
-    "lane_id",
-    "centre_xyz_m",
-    "left_xyz_m",
-    "right_xyz_m",
-    "left_mark",
-    "right_mark",
-    "left_neighbour",
-    "right_neighbour",
-    "successors",
-    "predecessors",
-    "kind",
-    "in_junction",
-    "junction_id",
-    "speed_limit_mps",
-    "width_m",
-    "turn",
-    "tags",
-];
-const AREA_COLUMNS: &[&str] = &["area_id", "kind", "boundary_xyz_m", "lane_ids"];
 /// Kinds of areas that are not facilities.
 const ROAD_KINDS: &[&str] = &["crosswalk", "junction", "drivable_area", "stop_line"];
 const LINE: &str = "a line 'x y; x y; ...' or 'x y z; ...'";
@@ -42,8 +22,8 @@ const MARKS: &str =
 
 /// The map; `None` when there is none of its tables.
 pub(super) fn read(declared: &Declared, reader: &mut Reader) -> Option<RoadMap> {
-    let lanes = reader.sheet("lanes", LANE_COLUMNS, &[&["lane_id"], &["centre_xyz_m", "left_xyz_m"]]);
-    let areas = reader.sheet("areas", AREA_COLUMNS, &[&["area_id"], &["kind"], &["boundary_xyz_m"]]);
+    let lanes = reader.sheet("lanes", &[&["lane_id"], &["centre_xyz_m", "left_xyz_m"]]);
+    let areas = reader.sheet("areas", &[&["area_id"], &["kind"], &["boundary_xyz_m"]]);
     let mut map = RoadMap::default();
     let signs = signs::read(&mut map, reader);
     if lanes.is_none() && areas.is_none() && !signs {

@@ -14,41 +14,81 @@ pub(super) fn sheet_file(dir: Folder<'_>, stem: &str) -> Option<String> {
 /// The three ways to give a row's time; one of them is enough.
 pub(super) const TIME: &[&str] = &["timestamp_ns", "time", "time_s"];
 
-/// Name and cells.
-type Column = (String, Vec<Option<String>>);
+/// How a CSV is written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CsvForm {
+    pub separator: u8,
+    pub decimal_comma: bool,
+}
+
+impl Default for CsvForm {
+    fn default() -> Self {
+        Self { separator: b',', decimal_comma: false }
+    }
+}
+
+/// One column as texts.
+#[derive(Clone)]
+pub(super) struct Column {
+    pub name: String,
+    /// Its name in the file.
+    pub shown: String,
+    pub cells: Vec<Option<String>>,
+    /// True for times that were brought to nanoseconds since 1970 because the file states their unit.
+    pub is_nanoseconds: bool,
+}
+
+impl Column {
+    pub fn new(name: &str, cells: Vec<Option<String>>) -> Self {
+        Self { name: name.to_owned(), shown: name.to_owned(), cells, is_nanoseconds: false }
+    }
+}
 
 /// A table in memory.
 pub(super) struct Sheet {
     /// Path as the user knows it.
     pub label: String,
-    /// Name and cells of each column, in the file's order.
-    columns: Vec<Column>,
+    /// In the file's order.
+    pub columns: Vec<Column>,
     pub rows: usize,
     /// Number of the first row of data: in a CSV the header is row 1, as a spreadsheet shows it.
     pub first_row: usize,
 }
 
 impl Sheet {
-    /// From the content of the file of this name.
-    pub fn read(name: &str, label: &str, content: Vec<u8>) -> Result<Self, String> {
+    /// From the content of the file of this name; times in the column `nanoseconds` are read as such.
+    pub fn read(
+        name: &str,
+        label: &str,
+        content: Vec<u8>,
+        csv: CsvForm,
+        nanoseconds: &str,
+    ) -> Result<Self, String> {
         let is_csv = name.ends_with(".csv");
-        let columns = if is_csv { read_csv(&content)? } else { texts_of(&read_parquet_bytes(content)?)? };
-        let rows = columns.first().map_or(0, |(_, cells)| cells.len());
+        let columns = if is_csv {
+            read_csv(&content, csv)?
+        } else {
+            texts_of(&read_parquet_bytes(content)?, nanoseconds)?
+        };
+        let rows = columns.first().map_or(0, |c| c.cells.len());
         Ok(Self { label: label.to_owned(), columns, rows, first_row: if is_csv { 2 } else { 1 } })
     }
 
     pub fn names(&self) -> Vec<String> {
-        self.columns.iter().map(|(name, _)| name.clone()).collect()
+        self.columns.iter().map(|c| c.name.clone()).collect()
+    }
+
+    fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|c| c.name == name)
     }
 
     pub fn has(&self, name: &str) -> bool {
-        self.columns.iter().any(|(n, _)| n == name)
+        self.column(name).is_some()
     }
 
     /// A column's cells; all unknown when it is not there.
     pub fn texts(&self, name: &str) -> Vec<Option<String>> {
-        let column = self.columns.iter().find(|(n, _)| n == name);
-        column.map_or_else(|| vec![None; self.rows], |(_, cells)| cells.clone())
+        self.column(name).map_or_else(|| vec![None; self.rows], |c| c.cells.clone())
     }
 
     /// A column brought to a type; a cell that cannot be is unknown and goes to the problems.
@@ -59,17 +99,17 @@ impl Sheet {
         problems: &mut Problems,
         parse: impl Fn(&str) -> Option<T>,
     ) -> Vec<Option<T>> {
-        let Some((_, cells)) = self.columns.iter().find(|(n, _)| n == name) else {
+        let Some(column) = self.column(name) else {
             return (0..self.rows).map(|_| None).collect();
         };
+        let cells = column.cells.iter();
         cells
-            .iter()
             .enumerate()
             .map(|(i, cell)| {
                 let text = cell.as_deref()?;
                 let value = parse(text);
                 if value.is_none() {
-                    problems.cell(name, expected, self.first_row + i, text);
+                    problems.cell(&column.shown, expected, self.first_row + i, text);
                 }
                 value
             })
@@ -141,7 +181,7 @@ impl Sheet {
     }
 }
 
-fn read_csv(content: &[u8]) -> Result<Vec<Column>, String> {
+fn read_csv(content: &[u8], form: CsvForm) -> Result<Vec<Column>, String> {
     if content.is_empty() {
         return Err("it is empty".to_owned());
     }
@@ -150,34 +190,49 @@ fn read_csv(content: &[u8]) -> Result<Vec<Column>, String> {
     }
     let text = utf8(content)?;
     let first = text.lines().next().unwrap_or_default();
-    if let Some(sign) = [(';', "semicolons"), ('\t', "tabs"), ('|', "bars")]
-        .into_iter()
-        .find_map(|(c, sign)| (!first.contains(',') && first.contains(c)).then_some(sign))
+    if let Some(sign) =
+        [(';', "semicolons"), ('\t', "tabs"), ('|', "bars")].into_iter().find_map(|(c, sign)| {
+            let separator = char::from(form.separator);
+            (c != separator && !first.contains(separator) && first.contains(c)).then_some(sign)
+        })
     {
         return Err(format!("its columns are separated by {sign}; save it with commas and decimal points"));
     }
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(content);
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(form.separator)
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(content);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
     // Spreadsheets begin UTF-8 files with a byte order mark.
     let name = |n: &str| n.trim_start_matches('\u{feff}').to_owned();
-    let mut columns: Vec<_> = header.iter().map(|n| (name(n), Vec::new())).collect();
+    let mut columns: Vec<_> = header.iter().map(|n| Column::new(&name(n), Vec::new())).collect();
     for record in reader.records() {
         let record = record.map_err(|e| e.to_string())?;
         // A row that breaks off or has too much, as in a file that was cut off, says nothing.
         let is_whole = record.len() == header.len();
-        for (i, (_, cells)) in columns.iter_mut().enumerate() {
+        for (i, column) in columns.iter_mut().enumerate() {
             let text = record.get(i).filter(|text| is_whole && !text.is_empty());
-            cells.push(text.map(str::to_owned));
+            column
+                .cells
+                .push(text.map(|text| if form.decimal_comma { with_point(text) } else { text.to_owned() }));
         }
     }
     Ok(columns)
 }
 
-fn texts_of(table: &Columns) -> Result<Vec<Column>, String> {
+/// A number with its decimal comma replaced; any other text as it is.
+fn with_point(text: &str) -> String {
+    let number = text.replacen(',', ".", 1);
+    if number.parse::<f64>().is_ok() { number } else { text.to_owned() }
+}
+
+fn texts_of(table: &Columns, nanoseconds: &str) -> Result<Vec<Column>, String> {
     let texts = |name: String| {
         // Programs write times into a column of times.
-        let cells = if name == "timestamp_ns" { table.nanosecond_texts(&name) } else { table.texts(&name) };
-        cells.map(|cells| (name, cells))
+        let is_nanoseconds = name == nanoseconds && table.has_times(&name);
+        let cells = if is_nanoseconds { table.nanosecond_texts(&name) } else { table.texts(&name) };
+        cells.map(|cells| Column { is_nanoseconds, ..Column::new(&name, cells) })
     };
     table.names().into_iter().map(texts).collect()
 }

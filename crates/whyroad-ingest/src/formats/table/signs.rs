@@ -11,9 +11,6 @@ use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Point3, Sign};
 use whyroad_model::vocabulary::SIGN_KINDS;
 
-const COLUMNS: &[&str] =
-    &["sign_id", "kind", "x_m", "y_m", "z_m", "lane_ids", "value", "facing_rad", "facing_deg"];
-
 /// Where the faces of signs point, rad.
 fn facings(sheet: &Sheet, problems: &mut Problems) -> Vec<f64> {
     if sheet.has("facing_rad") {
@@ -26,7 +23,7 @@ fn facings(sheet: &Sheet, problems: &mut Problems) -> Vec<f64> {
 /// Adds the signs to `map`; false when there is no such table.
 pub(super) fn read(map: &mut RoadMap, reader: &mut Reader) -> bool {
     let required: &[&[&str]] = &[&["sign_id"], &["kind"], &["x_m"], &["y_m"]];
-    let Some(sheet) = reader.sheet("signs", COLUMNS, required) else { return false };
+    let Some(sheet) = reader.sheet("signs", required) else { return false };
     let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
     let [ids, kinds, lanes] = ["sign_id", "kind", "lane_ids"].map(|n| sheet.texts(n));
     let [x, y, z, value] = ["x_m", "y_m", "z_m", "value"].map(|n| sheet.numbers(n, &mut problems));

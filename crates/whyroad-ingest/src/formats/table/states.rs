@@ -28,8 +28,7 @@ fn usable<T>(states: Vec<T>, sheet: &Sheet, reader: &mut Reader) -> Option<Vec<T
 
 /// Light states; `None` without the table, and where no row of it can be used.
 pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
-    let columns = ["timestamp_ns", "time", "time_s", "lane_id", "to_lane_id", "colour", "countdown_s"];
-    let sheet = reader.sheet("lights", &columns, &[TIME, &["lane_id"], &["colour"]])?;
+    let sheet = reader.sheet("lights", &[TIME, &["lane_id"], &["colour"]])?;
     let mut problems = Problems::default();
     let times = sheet.times(reader.start, &mut problems);
     let (lanes, to) = (sheet.texts("lane_id"), sheet.texts("to_lane_id"));
@@ -60,8 +59,7 @@ pub(super) fn lights(reader: &mut Reader) -> Option<Vec<LightState>> {
 /// Weather, surface and the like; `None` without the table, and without a row that can be used. A value that is missing
 /// or not allowed for its kind ends the previous state: from there on the state is `unknown`.
 pub(super) fn context(reader: &mut Reader) -> Option<Vec<ContextState>> {
-    let columns = ["timestamp_ns", "time", "time_s", "kind", "value", "source", "confidence"];
-    let sheet = reader.sheet("context", &columns, &[TIME, &["kind"], &["value"]])?;
+    let sheet = reader.sheet("context", &[TIME, &["kind"], &["value"]])?;
     let (mut problems, mut words) = (Problems::default(), UnknownWords::default());
     let known: Vec<&'static str> = CONTEXT_KINDS.iter().map(|(kind, _)| *kind).collect();
     let times = sheet.times(reader.start, &mut problems);

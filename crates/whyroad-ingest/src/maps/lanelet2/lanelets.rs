@@ -211,7 +211,9 @@ fn lanelet(
         kind,
         in_junction: turn.is_some(),
         turn,
-        speed_limit_mps: signs::speed(relation.tag("speed_limit")),
+        // OpenStreetMap's tag is used too; the format's own comes before it.
+        speed_limit_mps: signs::speed(relation.tag("speed_limit"))
+            .or_else(|| signs::speed(relation.tag("maxspeed"))),
         left: b.left,
         right: b.right,
         ..Lane::default()
@@ -241,12 +243,16 @@ fn kind(relation: &Relation) -> Option<LaneKind> {
         ];
         users.into_iter().find(|(who, _)| may(who) == Some(true)).map(|(_, kind)| kind)
     };
-    match relation.tag("subtype") {
+    match relation.tag("subtype").to_lowercase().as_str() {
         "road" | "highway" | "play_street" if may("vehicle") == Some(false) => by_users(),
         "road" | "highway" | "play_street" => Some(LaneKind::Vehicle),
-        "bus_lane" => Some(LaneKind::Bus),
-        "bicycle_lane" => Some(LaneKind::Bike),
-        "walkway" | "shared_walkway" | "stairs" | "pedestrian_lane" => Some(LaneKind::Sidewalk),
+        "bus_lane" | "buslane" => Some(LaneKind::Bus),
+        "bicycle_lane" | "bicyclelane" | "bikelane" | "bike_lane" | "bikeway" | "cycle_lane" | "cycleway" => {
+            Some(LaneKind::Bike)
+        }
+        "walkway" | "sidewalk" | "footway" | "shared_walkway" | "stairs" | "pedestrian_lane" => {
+            Some(LaneKind::Sidewalk)
+        }
         "emergency_lane" | "road_shoulder" | "shoulder" => Some(LaneKind::Shoulder),
         "rail" | "subway" => None,
         "" => by_users(),

@@ -3,7 +3,7 @@
 use super::*;
 use crate::maps::options::{MAP, MAP_COMPLETE, MAP_DATUM, MAP_ORIGIN, MAP_PROJECTION};
 use crate::options::Options;
-use whyroad_model::road_map::{LaneMark, Point3, TurnKind};
+use whyroad_model::road_map::{LaneKind, LaneMark, Point3, TurnKind};
 
 /// Nodes on a grid of 10 m, named by their place: id 100 + 10 * column + row, at (10 column, 4 row).
 fn nodes() -> String {
@@ -424,4 +424,29 @@ fn lanelets_without_a_subtype_are_road_and_stop_lines_find_their_lanes() {
         (vec!["11".into()], vec!["11".into()])
     );
     assert!(out.map.stop_lines[0].lane_ids.contains(&"10".to_owned()), "{:?}", out.map.stop_lines);
+}
+
+/// Spellings that maps have instead of the format's: `bikelane`, OpenStreetMap's `maxspeed`. The format's own tag comes
+/// first.
+#[test]
+fn other_spellings_of_subtypes_and_limits_are_read() {
+    let with = |tags: &[(&str, &str)]| {
+        let from = tagged(&[("subtype", "road"), ("speed_limit", "50 km/h")]);
+        let content = street();
+        assert!(content.contains(&from));
+        let r = reading(&content.replacen(&from, &tagged(tags), 1), &Options::default());
+        r.map.lane("50").cloned().unwrap()
+    };
+    let limit =
+        |tags: &[(&str, &str)]| with(&[&[("subtype", "road")], tags].concat()).speed_limit_mps.unwrap();
+    assert!((limit(&[("maxspeed", "36")]) - 10.0).abs() < 1e-9);
+    assert!((limit(&[("maxspeed", "36"), ("speed_limit", "72")]) - 20.0).abs() < 1e-9);
+    for (word, kind) in [
+        ("bikelane", LaneKind::Bike),
+        ("bicycle_lane", LaneKind::Bike),
+        ("Bike_Lane", LaneKind::Bike),
+        ("sidewalk", LaneKind::Sidewalk),
+    ] {
+        assert_eq!(with(&[("subtype", word)]).kind, kind, "{word}");
+    }
 }
