@@ -11,7 +11,7 @@ use std::path::Path;
 use whyroad_model::{Bilingual, Diagnostic, Drive};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 /// Codes of this adapter beside those of MCAP; each has a page in `docs/diagnostics/`.
 const CODES: &[&str] = &["rosbag.file.broken"];
 
