@@ -222,7 +222,7 @@ fn unused_hint(reason: &str) -> Bilingual {
             "检查目标的编号：每个目标须有在各帧中不变的编号",
             "check the ids of the objects: each needs one that is the same in all frames",
         ),
-        "no_position" | "no_heading" | "no_list" | "invalid" | "undecodable" => Bilingual::new(
+        "no_time" | "no_position" | "no_heading" | "no_list" | "invalid" | "undecodable" => Bilingual::new(
             "检查目标各字段的名称与形式；其他消息会指出无法使用的字段",
             "check the names and forms of the objects' fields; other messages name those that could not be used",
         ),

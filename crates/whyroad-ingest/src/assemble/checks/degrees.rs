@@ -4,7 +4,7 @@
 use super::{FIRST_FRAMES, MOVING_MPS};
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::frames::median;
-use whyroad_model::scene::{Drive, Motion};
+use whyroad_model::scene::{Drive, Ego, Motion};
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// A degree is 111 km: the positions change by less than this share of the stated speed.
@@ -27,7 +27,7 @@ const ALONG_RAD: f64 = 0.7;
 pub(super) fn positions(drive: &mut Drive) -> Option<Diagnostic> {
     let start = *drive.times.first()?;
     let ego = drive.ego.as_ref()?;
-    let m = &ego.motion;
+    let m = &stated_positions(ego);
     let n = m.len().min(FIRST_FRAMES);
     let stated = |i: usize| {
         let along = m.forward.get(i).copied().unwrap_or(f64::NAN);
@@ -72,6 +72,21 @@ pub(super) fn positions(drive: &mut Drive) -> Option<Diagnostic> {
             "project latitude and longitude to a plane in meters (UTM, for example) and ingest again",
         )),
     )
+}
+
+/// The motion of the ego's reference point, as the log states it: the way from it to the center of the car was added in
+/// meters.
+fn stated_positions(ego: &Ego) -> Motion {
+    let mut m = ego.motion.clone();
+    let ahead = if ego.reference_to_centre_m.is_finite() { ego.reference_to_centre_m } else { 0.0 };
+    for i in 0..m.len() {
+        let (sin, cos) = m.heading[i].sin_cos();
+        if sin.is_finite() {
+            m.x[i] -= ahead * cos;
+            m.y[i] -= ahead * sin;
+        }
+    }
+    m
 }
 
 /// True where all vehicles are always in the place of the ego, which moves.

@@ -465,11 +465,21 @@ fn degrees_without_a_speed_are_found_by_the_turn_or_by_the_other_vehicles() {
     let mut turning = drive();
     turning.tracks.clear();
     degrees(&mut turning, &|s| (100.0 * (s / 100.0).sin(), 100.0 - 100.0 * (s / 100.0).cos(), s / 100.0));
+    let ego = turning.ego.as_mut().unwrap();
+    ego.reference_to_centre_m = 1.4;
+    for i in 0..50 {
+        ego.motion.x[i] += 1.4 * ego.motion.heading[i].cos();
+        ego.motion.y[i] += 1.4 * ego.motion.heading[i].sin();
+    }
     assert_eq!(codes(&mut turning), ["ingest.position.degrees"]);
     assert!(turning.ego.unwrap().motion.x.iter().all(|x| x.is_nan()));
     let mut straight = drive();
     straight.tracks.push(Track { id: "b".into(), ..straight.tracks[0].clone() });
     degrees(&mut straight, &|s| (s, 0.0, 0.0));
+    // The pose is that of the rear axle: adapters add the way to the center of the car, in meters.
+    let ego = straight.ego.as_mut().unwrap();
+    ego.reference_to_centre_m = 1.4;
+    ego.motion.x.iter_mut().for_each(|x| *x += 1.4);
     assert_eq!(codes(&mut straight), ["ingest.position.degrees"]);
     // At rest, with a heading that drifts by a degree per frame, beside two parked cars.
     let mut parked = drive();
