@@ -2,6 +2,7 @@
 //! registered in `formats.rs`; the command line, the search for sources and the list of diagnostic codes follow from
 //! it.
 
+use crate::assemble::coverage;
 use crate::assemble::finish::finish;
 use crate::maps::{self, MapBeside};
 use crate::options::{OptionSpec, Options};
@@ -182,6 +183,10 @@ impl<'a> DriveSink<'a> {
             }
             report.diagnostics.extend(unused_objects(drive, &report));
             let had = (drive.map.is_some(), drive.lights.is_some());
+            if !drive.meta.missing.contains(&Need::Objects) {
+                let found = coverage::finding(drive);
+                report.diagnostics.extend(found.map(|d| d.in_file(report.source.clone())));
+            }
             report.diagnostics.extend(finish(drive).into_iter().map(|d| d.in_file(report.source.clone())));
             let tables = report.tables.iter_mut();
             let is_unused = |t: &&mut RowCount| {
@@ -221,9 +226,30 @@ fn unused_objects(drive: &mut Drive, report: &SourceReport) -> Option<Diagnostic
             list(Lang::En)
         ),
     );
-    let hint = Bilingual::new(
-        "检查目标与自车的时间是否用同一时钟、同一单位",
-        "check that the times of objects and ego are of one clock and in one unit",
-    );
+    let lost = table.set_aside.iter().chain(&table.dropped);
+    let most = lost.max_by_key(|(_, n)| **n).map_or("", |(reason, _)| *reason);
+    let hint = unused_hint(most);
     Some(Diagnostic::error("ingest.objects.unused", message).with_hint(hint).in_file(report.source.clone()))
+}
+
+/// What to check where this is why most rows of objects are not used.
+fn unused_hint(reason: &str) -> Bilingual {
+    match reason {
+        "unknown_frame" => Bilingual::new(
+            "检查目标的坐标系：须为自车位姿的坐标系或自车坐标系",
+            "check the frame of the objects: it has to be that of the ego's poses or that of its car",
+        ),
+        "no_id" => Bilingual::new(
+            "检查目标的编号：每个目标须有在各帧中不变的编号",
+            "check the ids of the objects: each needs one that is the same in all frames",
+        ),
+        "no_time" | "no_position" | "no_heading" | "no_list" | "invalid" | "undecodable" => Bilingual::new(
+            "检查目标各字段的名称与形式；其他消息会指出无法使用的字段",
+            "check the names and forms of the objects' fields; other messages name those that could not be used",
+        ),
+        _ => Bilingual::new(
+            "检查目标与自车的时间是否用同一时钟、同一单位",
+            "check that the times of objects and ego are of one clock and in one unit",
+        ),
+    }
 }

@@ -4,6 +4,7 @@ pub mod angles;
 pub(crate) mod arms;
 pub(crate) mod checks;
 pub(crate) mod class_names;
+pub(crate) mod coverage;
 pub(crate) mod datum;
 pub(crate) mod feature_map;
 pub(crate) mod finish;

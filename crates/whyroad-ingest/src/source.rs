@@ -12,6 +12,7 @@ pub(crate) const CODES: &[&str] = &[
     "ingest.time.span",
     "ingest.time.step",
     "ingest.objects.unused",
+    "ingest.objects.unobserved",
     "ingest.drive.renamed",
 ];
 

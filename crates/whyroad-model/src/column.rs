@@ -109,6 +109,17 @@ impl Column {
         self.len() == 0
     }
 
+    /// Sets the value at `row` to unknown.
+    pub fn forget(&mut self, row: usize) {
+        match self {
+            Column::Number(v) => v.get_mut(row).into_iter().for_each(|v| *v = f64::NAN),
+            Column::Flag(v) => v.get_mut(row).into_iter().for_each(|v| *v = Tri::Unknown),
+            Column::Category { codes, .. } => {
+                codes.get_mut(row).into_iter().for_each(|code| *code = UNKNOWN_CODE);
+            }
+        }
+    }
+
     /// The number at `row`; `None` when unknown or not a number column.
     pub fn number(&self, row: usize) -> Option<f64> {
         match self {

@@ -76,12 +76,20 @@ pub struct DriveMeta {
     pub can: bool,
     /// What the log lacks.
     pub missing: Vec<Need>,
+    /// First and last frame of each stretch in which nothing observed the objects: there they are unknown, not absent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub objects_unknown: Vec<[Nanos; 2]>,
 }
 
 impl DriveMeta {
     /// The log states date and time of day: times are not counted from an invented start.
     pub fn is_dated(&self) -> bool {
         !self.missing.contains(&Need::Date)
+    }
+
+    /// True when nothing observed the objects in the frame at `time`.
+    pub fn are_objects_unknown(&self, time: Nanos) -> bool {
+        self.objects_unknown.iter().any(|[first, last]| (*first..=*last).contains(&time))
     }
 
     /// Notes that the log lacks something.

@@ -72,6 +72,8 @@ pub struct TableBuilder<'a> {
     rows: usize,
     wanted: &'a Wanted,
     partial: BTreeSet<SignalId>,
+    /// Frames in which nothing observed the objects.
+    unobserved: Vec<usize>,
 }
 
 impl<'a> TableBuilder<'a> {
@@ -91,7 +93,9 @@ impl<'a> TableBuilder<'a> {
             targets,
             ..SignalTable::default()
         };
-        Self { catalog, table, rows, wanted, partial: BTreeSet::new() }
+        let unobserved = |&frame: &usize| drive.meta.are_objects_unknown(drive.times[frame]);
+        let unobserved = (0..drive.times.len()).filter(unobserved).collect();
+        Self { catalog, table, rows, wanted, partial: BTreeSet::new(), unobserved }
     }
 
     /// True if some signal of the family is requested.
@@ -197,9 +201,10 @@ impl<'a> TableBuilder<'a> {
         columns.insert(id.name().to_owned(), column);
     }
 
-    /// The finished table: a signal that the log cannot support is listed with the missing data instead. A signal
-    /// without computed values is listed with its missing needs, or with all its needs if each of them is present but
-    /// insufficient. A partial signal stays in the table, with its missing needs.
+    /// The finished table: a signal that the log cannot support is listed with the missing data instead. A signal of a
+    /// frame that needs objects is unknown in the frames in which nothing observed them. A signal without computed
+    /// values is listed with its missing needs, or with all its needs if each of them is present but insufficient. A
+    /// partial signal stays in the table, with its missing needs.
     pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
         let (mut unavailable, mut partial) = (BTreeMap::new(), BTreeMap::new());
         for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand() && self.wanted.has(&d.name)) {
@@ -218,6 +223,11 @@ impl<'a> TableBuilder<'a> {
             }
             if lacking.is_empty() && !computed {
                 lacking.clone_from(&def.needs);
+            }
+            if let Some(column) = self.table.frame_columns.get_mut(&def.name)
+                && def.needs.contains(&Need::Objects)
+            {
+                self.unobserved.iter().for_each(|&frame| column.forget(frame));
             }
             if !lacking.is_empty() || !computed {
                 self.table.frame_columns.remove(&def.name);

@@ -7,7 +7,7 @@ use crate::assemble::frames::median;
 use crate::assemble::geometry::distance;
 use std::collections::BTreeMap;
 use whyroad_model::road_map::{Lane, LayerState, MapLayer, Point3};
-use whyroad_model::scene::{Drive, Motion};
+use whyroad_model::scene::{Drive, FrameOfReference, Motion};
 use whyroad_model::{Bilingual, Diagnostic, Nanos, Need, RoadMap, counted};
 
 /// Codes of this module.
@@ -67,10 +67,14 @@ const PLAUSIBLE: std::ops::Range<i64> = 946_684_800_000_000_000..4_102_444_800_0
 /// Checks a drive.
 pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     let mut out = Vec::new();
+    // Where positions are relative to a moving ego, what a parked car passes is not its own motion.
+    let is_over_ground = drive.meta.frame_of_reference == FrameOfReference::World;
     out.extend(far_positions(drive));
     out.extend(degrees::positions(drive));
     out.extend(headings::jumps(drive));
-    out.extend(headings::backwards(drive));
+    if is_over_ground {
+        out.extend(headings::backwards(drive));
+    }
     out.extend(standing::check(drive));
     out.extend(poses::steps_back(drive));
     out.extend(own_box::drop(drive));
@@ -78,7 +82,10 @@ pub(crate) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     out.extend(swapped_sizes(drive));
     out.extend(last_zero(drive));
     out.extend(accelerations(drive));
-    out.extend(agreement::check(drive));
+    out.extend(agreement::of_ego(drive));
+    if is_over_ground {
+        out.extend(agreement::of_objects(drive));
+    }
     out.extend(rates::check(drive));
     if let Some(map) = &mut drive.map {
         out.extend(headings_as_heights(map));

@@ -34,7 +34,7 @@ use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, MediaFrame, Motion,
 use whyroad_model::{Drive, DriveId, Nanos, Need, TrackId};
 
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 /// A longer gap between two annotations of an object stays a gap, s, where the log is not at 10 Hz.
 const MAX_GAP_S: f64 = 0.6;
 const ANNOTATIONS: [&str; 2] = ["annotations_with_ego.feather", "annotations.feather"];

@@ -7,12 +7,15 @@
 //! maps, lights, pictures. ROS 1 bags (`rosbag`) are read by the same code.
 
 mod bus;
+mod fields;
 pub(crate) mod findings;
 mod mapping;
 mod rows;
+mod values;
 
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source, whole};
 use crate::assemble::class_names::class_of;
+use crate::assemble::coverage::{stretches, unobserved};
 use crate::assemble::frames::{Frames, Sample, Sampled};
 use crate::assemble::resample::{MAX_GAP_S, linear};
 use crate::assemble::se3::{self, Se3};
@@ -26,8 +29,9 @@ use crate::source::{
     ContentHash, drive_id, file_label, find_files, implausible_span, implausible_step, impossible_speeds,
     resampled,
 };
+use fields::FieldCounts;
 use mapping::{Frame, Mapping, Role, Rule};
-use rows::{BusRow, EgoRow, ObjectRow, Rows};
+use rows::{BusRow, EgoRow, ObjectRow, Rows, Stamp};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -45,6 +49,8 @@ const EGO_GAP_S: f64 = MAX_GAP_S;
 const EGO_GAP_STEPS: f64 = 1.5;
 /// Objects are interpolated over gaps up to this, s: detectors run at 2 to 20 Hz.
 const OBJECT_GAP_S: f64 = 0.6;
+/// Stamps up to a day, ns, are those of a clock that began at 0: of a simulation.
+const CLOCK_FROM_ZERO_NS: i64 = 86_400_000_000_000;
 /// Names that the vehicle's own frame has by convention (ROS REP 105 and common use).
 const EGO_FRAMES: [&str; 6] = ["base_link", "base_footprint", "ego", "ego_vehicle", "vehicle", "rear_axle"];
 
@@ -142,7 +148,12 @@ struct Topic {
     decoder: Decoder,
     messages: usize,
     undecodable: usize,
+    fields: FieldCounts,
     ego: Vec<EgoRow>,
+    objects: Vec<ObjectRow>,
+    bus: Vec<BusRow>,
+    /// When objects were observed.
+    observed: Vec<Stamp>,
 }
 
 enum Decoder {
@@ -180,7 +191,39 @@ impl Topic {
             }
         };
         let (rule, schema) = (rule.unwrap_or_default(), schema.name.clone());
-        Self { rule, schema, decoder, messages: 0, undecodable: 0, ego: Vec::new() }
+        Self {
+            rule,
+            schema,
+            decoder,
+            messages: 0,
+            undecodable: 0,
+            fields: FieldCounts::default(),
+            ego: Vec::new(),
+            objects: Vec::new(),
+            bus: Vec::new(),
+            observed: Vec::new(),
+        }
+    }
+
+    /// Applies `each` to the stamps of all rows.
+    fn stamps(&mut self, mut each: impl FnMut(&mut Stamp)) {
+        self.ego.iter_mut().for_each(|r| each(&mut r.stamp));
+        self.objects.iter_mut().for_each(|r| each(&mut r.stamp));
+        self.bus.iter_mut().for_each(|r| each(&mut r.stamp));
+    }
+
+    /// Fields that its messages do not have, or have in a form that is not understood.
+    fn of_fields(&self, label: &str, name: &str) -> Vec<Diagnostic> {
+        let mut out = Vec::new();
+        for (field, count) in &self.fields.0 {
+            let field = (*field, count);
+            // A standard type has fields that may be left out.
+            if count.absent == count.read && !self.rule.is_standard {
+                out.push(findings::field_absent(label, name, self.rule.role, field));
+            }
+            out.extend(findings::field_unreadable(label, name, self.rule.role, field));
+        }
+        out
     }
 
     fn decode(&self, data: &[u8]) -> Option<Value> {
@@ -198,10 +241,41 @@ impl Topic {
 #[derive(Default)]
 struct Recording {
     topics: BTreeMap<String, Topic>,
-    objects: Vec<ObjectRow>,
-    bus: Vec<BusRow>,
-    ego_rows: RowCount,
-    object_rows: RowCount,
+    counts: RowCounts,
+}
+
+/// The rows of each role.
+struct RowCounts {
+    ego: RowCount,
+    objects: RowCount,
+    bus: RowCount,
+}
+
+impl Default for RowCounts {
+    fn default() -> Self {
+        Self { ego: RowCount::new("ego"), objects: RowCount::new("objects"), bus: RowCount::new("bus") }
+    }
+}
+
+impl RowCounts {
+    fn of(&mut self, role: Role) -> &mut RowCount {
+        match role {
+            Role::Ego => &mut self.ego,
+            Role::Bus => &mut self.bus,
+            Role::Objects | Role::Ignore => &mut self.objects,
+        }
+    }
+
+    /// Those of which there are rows, and of the two tables that every recording has.
+    fn report(self, label: &str, report: &mut SourceReport) {
+        let has_bus = self.bus.read > 0;
+        for count in [Some(self.ego), Some(self.objects), has_bus.then_some(self.bus)].into_iter().flatten() {
+            if count.dropped_total() > 0 {
+                report.diagnostics.push(findings::dropped(label, &count));
+            }
+            report.tables.push(count);
+        }
+    }
 }
 
 impl Recording {
@@ -213,8 +287,7 @@ impl Recording {
         hash: &mut ContentHash,
         report: &mut SourceReport,
     ) -> Self {
-        let mut out =
-            Self { ego_rows: RowCount::new("ego"), object_rows: RowCount::new("objects"), ..Self::default() };
+        let mut out = Self::default();
         let mut each = |m: mcap_records::Message<'_>| {
             let name = &m.channel.topic;
             if !out.topics.contains_key(name) {
@@ -229,17 +302,20 @@ impl Recording {
             hash.add(name, m.data);
             let Some(message) = topic.decode(m.data) else {
                 topic.undecodable += 1;
+                let count = out.counts.of(topic.rule.role);
+                count.read += 1;
+                count.drop_rows("undecodable", 1);
                 return;
             };
-            let Rows { ego, objects, bus, dropped } = rows::of(&message, &topic.rule, m.log_time);
-            let count = if topic.rule.role == Role::Ego { &mut out.ego_rows } else { &mut out.object_rows };
-            if topic.rule.role != Role::Bus {
-                count.read += ego.len() + objects.len() + dropped.len();
-                dropped.iter().for_each(|reason| count.drop_rows(reason, 1));
-            }
+            let Rows { ego, objects, bus, dropped, observed } =
+                rows::of(&message, &topic.rule, m.log_time, &mut topic.fields);
+            let count = out.counts.of(topic.rule.role);
+            count.read += ego.len() + objects.len() + bus.len() + dropped.len();
+            dropped.iter().for_each(|reason| count.drop_rows(reason, 1));
             topic.ego.extend(ego);
-            out.objects.extend(objects);
-            out.bus.extend(bus);
+            topic.objects.extend(objects);
+            topic.bus.extend(bus);
+            topic.observed.extend(observed);
         };
         let errors = (container.records)(input, &mut each);
         report.diagnostics.extend(errors.iter().map(|e| (container.broken)(label, e)));
@@ -251,7 +327,56 @@ impl Recording {
             };
             report.diagnostics.push(findings::undecodable(label, name, what, t.undecodable));
         }
+        out.settle_times(label, report);
+        report.diagnostics.extend(out.topics.iter().flat_map(|(name, topic)| topic.of_fields(label, name)));
         out
+    }
+
+    /// Decides what stamps of 0 are. Where the other stamps are those of a clock that began at 0, the beginning. Where
+    /// a topic has no other, they were not set, and the log's times are used. Otherwise the row has no time.
+    fn settle_times(&mut self, label: &str, report: &mut SourceReport) {
+        let from_zero = self.topics.values_mut().any(|topic| {
+            let mut found = false;
+            topic.stamps(|stamp| found |= !stamp.is_zero && (1..=CLOCK_FROM_ZERO_NS).contains(&stamp.time));
+            found && topic.rule.time.is_some()
+        });
+        for (name, topic) in &mut self.topics {
+            let (mut zeros, mut all) = (0, 0);
+            topic.stamps(|stamp| {
+                all += 1;
+                zeros += usize::from(stamp.is_zero);
+            });
+            if from_zero && zeros < all {
+                topic.stamps(|stamp| stamp.time = if stamp.is_zero { 0 } else { stamp.time });
+            } else if zeros > 0 && zeros == all {
+                report.diagnostics.push(findings::time_of_log(label, name, zeros));
+            } else if zeros > 0 {
+                topic.ego.retain(|r| !r.stamp.is_zero);
+                topic.objects.retain(|r| !r.stamp.is_zero);
+                topic.bus.retain(|r| !r.stamp.is_zero);
+                self.counts.of(topic.rule.role).drop_rows("no_time", zeros);
+            }
+            topic.observed.retain_mut(|stamp| {
+                if stamp.is_zero && from_zero && zeros < all {
+                    stamp.time = 0;
+                }
+                !stamp.is_zero || from_zero || zeros == all
+            });
+        }
+    }
+
+    /// Frames in which a topic of objects has no messages.
+    fn unobserved(&self, seconds: impl Fn(i64) -> f64, frames: &[f64]) -> Vec<bool> {
+        let of_objects = self.topics.values().filter(|t| t.rule.role == Role::Objects && t.is_read());
+        let times: Vec<Vec<f64>> = of_objects
+            .map(|topic| {
+                let mut times: Vec<f64> = topic.observed.iter().map(|s| seconds(s.time)).collect();
+                times.sort_by(f64::total_cmp);
+                times.dedup();
+                times
+            })
+            .collect();
+        unobserved(&times, frames, OBJECT_GAP_S)
     }
 
     /// Topics of the file that nothing reads, with their types.
@@ -290,14 +415,14 @@ impl Recording {
         }
         for other in &names[1..] {
             let rows = self.topics.get(other).map_or(0, |t| t.ego.len());
-            self.ego_rows.set_aside("another_topic", rows);
+            self.counts.ego.set_aside("another_topic", rows);
         }
         let mut rows = self.topics.get_mut(&taken).map(|t| std::mem::take(&mut t.ego)).unwrap_or_default();
         let all = rows.len();
-        rows.sort_by_key(|r| r.time);
-        rows.dedup_by_key(|r| r.time);
-        self.ego_rows.drop_rows("duplicate", all - rows.len());
-        self.ego_rows.keep("pose", rows.len());
+        rows.sort_by_key(|r| r.stamp.time);
+        rows.dedup_by_key(|r| r.stamp.time);
+        self.counts.ego.drop_rows("duplicate", all - rows.len());
+        self.counts.ego.keep("pose", rows.len());
         rows
     }
 }
@@ -334,14 +459,14 @@ fn read_recording(
     let mapping = read_mapping(mapping, &mut hash, report)?;
     let mut recording = Recording::read(&label, input, container, &mapping, &mut hash, report);
     let poses = recording.take_ego(&label, report);
-    let (Some(first), true) = (poses.first().map(|r| r.time), poses.len() >= 2) else {
+    let (Some(first), true) = (poses.first().map(|r| r.stamp.time), poses.len() >= 2) else {
         let topics: Vec<String> =
             recording.topics.iter().map(|(n, t)| format!("{n} ({})", t.schema)).collect();
-        report.diagnostics.push(findings::ego_missing(&label, &topics.join(", ")));
+        report.diagnostics.push(findings::ego_missing(&label, &recording.counts.ego, &topics.join(", ")));
         return None;
     };
     let seconds = |ns: i64| ns.saturating_sub(first) as f64 / 1e9;
-    let times: Vec<f64> = poses.iter().map(|r| seconds(r.time)).collect();
+    let times: Vec<f64> = poses.iter().map(|r| seconds(r.stamp.time)).collect();
     if let Some(d) = implausible_span(&label, times[0], times[times.len() - 1], times.len()) {
         report.diagnostics.push(d);
         return None;
@@ -365,16 +490,16 @@ fn read_recording(
         let messages = unread.iter().map(|(_, t)| t.messages).sum();
         report.diagnostics.push(findings::topics_unread(&label, &list(&unread), messages));
     }
-    let bus = bus::at_frames(&recording.bus, seconds, &frames.seconds);
+    let bus_rows: Vec<BusRow> =
+        recording.topics.values_mut().flat_map(|t| std::mem::take(&mut t.bus)).collect();
+    let bus = bus::at_frames(&bus_rows, seconds, &frames.seconds);
+    let count = &mut recording.counts.bus;
+    bus::account(&bus_rows, seconds, &frames.seconds, &label, count, report);
     let tracks = tracks(&mut recording, &poses, seconds, &frames.seconds, &mapping, &label, report);
-    for count in [recording.ego_rows, recording.object_rows] {
-        if count.dropped_total() > 0 {
-            report.diagnostics.push(findings::dropped(&label, &count));
-        }
-        report.tables.push(count);
-    }
-    let can = !recording.bus.is_empty();
+    let can = bus::has_values(&bus);
     let has_objects = recording.topics.values().any(|t| t.rule.role == Role::Objects && t.is_read());
+    let unobserved = recording.unobserved(seconds, &frames.seconds);
+    let times: Vec<Nanos> = frames.seconds.iter().map(|&s| Nanos(first).plus_secs(s)).collect();
     let missing = Need::absent([
         (!has_objects, Need::Objects),
         (ego.length_m.is_nan(), Need::EgoSize),
@@ -384,6 +509,7 @@ fn read_recording(
         (true, Need::WeatherAndSurface),
         (true, Need::CameraPictures),
     ]);
+    recording.counts.report(&label, report);
     let name = file_label(path);
     Some(Drive {
         meta: DriveMeta {
@@ -397,9 +523,10 @@ fn read_recording(
             content_hash: hash.finish(),
             can,
             missing,
+            objects_unknown: if has_objects { stretches(&unobserved, &times) } else { Vec::new() },
             ..DriveMeta::default()
         },
-        times: frames.seconds.iter().map(|&s| Nanos(first).plus_secs(s)).collect(),
+        times,
         ego: Some(Ego { bus, ..ego }),
         tracks,
         ..Drive::default()
@@ -447,15 +574,23 @@ fn ego(poses: &Poses<'_>, times: &[f64], frames: &[f64], mapping: &Mapping) -> E
 impl Poses<'_> {
     /// Where the ego was at a time between two of its poses.
     fn at(&self, time: i64) -> Option<Se3> {
-        let next = self.rows.partition_point(|r| r.time < time);
+        let next = self.rows.partition_point(|r| r.stamp.time < time);
         let b = self.rows.get(next)?;
-        if b.time == time {
+        if b.stamp.time == time {
             return Some(b.pose);
         }
         let a = &self.rows[next.checked_sub(1)?];
-        let span = b.time.saturating_sub(a.time) as f64;
-        (span <= self.gap_s * 1e9).then(|| a.pose.between(&b.pose, time.saturating_sub(a.time) as f64 / span))
+        let span = b.stamp.time.saturating_sub(a.stamp.time) as f64;
+        let since = time.saturating_sub(a.stamp.time) as f64;
+        (span <= self.gap_s * 1e9).then(|| a.pose.between(&b.pose, since / span))
     }
+}
+
+/// A place in the frame of the ego's pose `at`; without a height, that of the ego's plane serves for x and y.
+fn place(at: Se3, position: [f64; 3]) -> [f64; 3] {
+    let [x, y, z] = position;
+    let [wx, wy, wz] = at.apply([x, y, if z.is_nan() { 0.0 } else { z }]);
+    [wx, wy, if z.is_nan() { f64::NAN } else { wz }]
 }
 
 /// A velocity over ground in the axes of the world; `axes` is the rotation of the axes in which it is stated.
@@ -475,12 +610,14 @@ fn tracks(
     label: &str,
     report: &mut SourceReport,
 ) -> Vec<Track> {
-    let count = &mut recording.object_rows;
+    let rows: Vec<ObjectRow> =
+        recording.topics.values_mut().flat_map(|t| std::mem::take(&mut t.objects)).collect();
+    let count = &mut recording.counts.objects;
     let (world, own) =
         poses.rows.first().map_or(("", ""), |p| (p.frame_id.as_str(), p.child_frame_id.as_str()));
     let mut foreign: BTreeMap<String, usize> = BTreeMap::new();
     let mut objects: BTreeMap<String, (String, BTreeMap<i64, Sample>)> = BTreeMap::new();
-    for row in std::mem::take(&mut recording.objects) {
+    for row in rows {
         let id = row.frame_id.as_str();
         let frame = row.frame.or_else(|| {
             let ego = (!own.is_empty() && id == own) || EGO_FRAMES.contains(&id);
@@ -493,8 +630,11 @@ fn tracks(
                 continue;
             }
             Some(Frame::World) => (row.pose, None),
-            Some(Frame::Ego) => match poses.at(row.time) {
-                Some(at) => (Se3 { q: se3::compose(at.q, row.pose.q), t: at.apply(row.pose.t) }, Some(at.q)),
+            Some(Frame::Ego) => match poses.at(row.stamp.time) {
+                Some(at) => {
+                    let q = se3::compose(at.q, row.pose.q);
+                    (Se3 { q, t: place(at, row.pose.t) }, Some(at.q))
+                }
                 None => {
                     count.drop_rows("no_pose", 1);
                     continue;
@@ -503,12 +643,17 @@ fn tracks(
         };
         let velocity = row.velocity.map_or([f64::NAN; 2], |v| in_world(v, axes));
         let (size, heading) = (row.size, se3::heading(pose.q));
-        let sample =
-            Sample { time: seconds(row.time), position: pose.t, heading, velocity, size, ..Sample::UNKNOWN };
+        let sample = Sample {
+            time: seconds(row.stamp.time),
+            position: pose.t,
+            heading,
+            velocity,
+            size,
+            ..Sample::UNKNOWN
+        };
         let (_, samples) = objects.entry(row.id).or_insert_with(|| (row.class, BTreeMap::new()));
-        match samples.insert(row.time, sample) {
-            Some(_) => count.drop_rows("duplicate", 1),
-            None => count.keep("track", 1),
+        if samples.insert(row.stamp.time, sample).is_some() {
+            count.drop_rows("duplicate", 1);
         }
     }
     report.diagnostics.extend(foreign.iter().map(|(id, n)| findings::frame(label, id, *n)));
@@ -525,9 +670,17 @@ fn tracks(
         if rows > 0 {
             impossible.insert(id, rows);
         }
-        if !track.frames.is_empty() {
-            out.push(track);
+        // Seen once, between two frames, or while the ego was away.
+        if track.frames.is_empty() {
+            let drive = frames.first().zip(frames.last()).map(|(first, last)| *first..=*last);
+            let is_in = |t: &f64| drive.as_ref().is_some_and(|drive| drive.contains(t));
+            let is_between = sampled.times.iter().any(is_in);
+            let why = if is_between { "between_frames" } else { "ego_away" };
+            count.set_aside(why, sampled.times.len());
+            continue;
         }
+        count.keep("track", sampled.times.len());
+        out.push(track);
     }
     if !unknown.is_empty() {
         report.diagnostics.push(findings::class(label, &unknown.into_iter().collect::<Vec<_>>().join(", ")));

@@ -15,7 +15,7 @@ mod tables;
 use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, Source};
 use crate::assemble::frames::{Sample, Sampled, every_tenth};
 use crate::assemble::licences;
-use crate::assemble::resample::MAX_GAP_S as MAX_POSE_GAP_S;
+use crate::assemble::resample::{MAX_GAP_S as MAX_POSE_GAP_S, linear};
 use crate::assemble::se3::{self, Se3};
 use crate::encodings::input::Folder;
 use crate::options::{LICENCE, Options};
@@ -34,7 +34,7 @@ use whyroad_model::{Drive, Nanos, Need, ObjectClass, RoadMap};
 /// times and holds the rows of 50.
 const SCENES_TOGETHER: usize = 50;
 /// Raised when the adapter makes something else of the same files, so that drives in a lake are replaced.
-const REVISION: u32 = 4;
+const REVISION: u32 = 5;
 /// Keyframes are 0.5 s apart; over more nothing is interpolated, s.
 const MAX_GAP_S: f64 = 0.6;
 /// The devkit's limit for a velocity between two keyframes, s; twice that over both neighbors.
@@ -184,13 +184,17 @@ fn drive(set: &Set<'_>, t: &SceneTables, options: &Options, report: &mut SourceR
         report.diagnostics.push(findings::table(&set.label, &TableError { table: "sample", reason }));
         return None;
     };
-    let frames = every_tenth(&keyframes);
+    let mut frames = every_tenth(&keyframes);
+    let poses = ego_poses(t, zero, report);
+    // Where the ego is missing there are no frames: the last keyframe may be later than the last pose.
+    let mut there = linear(&poses.times, &poses.times, &frames, MAX_POSE_GAP_S).into_iter();
+    frames.retain(|_| there.next().is_some_and(f64::is_finite));
     if frames.len() < 2 || t.poses.len() < 2 {
         report.diagnostics.push(findings::empty(&label));
         return None;
     }
     report.diagnostics.push(resampled(&label, keyframes[1] - keyframes[0]));
-    let (motion, known_at) = ego_motion(t, &frames, zero, report);
+    let (motion, known_at) = (poses.motion_at(&frames, MAX_POSE_GAP_S), poses.lags(&frames));
     let tracks = tracks(t, &frames, zero, &label, report);
     let mut hash = ContentHash::new("nuscenes", REVISION);
     add_rows(&mut hash, t);
@@ -256,8 +260,8 @@ fn add_rows(hash: &mut ContentHash, t: &SceneTables) {
     pictures.iter().for_each(|p| hash.add("data", p.as_bytes()));
 }
 
-/// Motion at the frames, and how much later than each it was known.
-fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceReport) -> (Motion, Vec<Nanos>) {
+/// The poses of the ego at their own times.
+fn ego_poses(t: &SceneTables, zero: i64, report: &mut SourceReport) -> Sampled {
     let mut count = RowCount::new("ego_pose");
     let mut sampled = Sampled::default();
     for p in &t.poses {
@@ -281,7 +285,7 @@ fn ego_motion(t: &SceneTables, frames: &[f64], zero: i64, report: &mut SourceRep
         }
     }
     report.tables.push(count);
-    (sampled.motion_at(frames, MAX_POSE_GAP_S), sampled.lags(frames))
+    sampled
 }
 
 fn ego(motion: Motion, bus: EgoBus) -> Ego {

@@ -127,12 +127,12 @@ fn of_text(
     let systems = Systems::of(&document);
     let steps = steps(&document);
     let Some((origin, dated)) = origin(&steps, options) else {
-        report.diagnostics.push(findings::no_time(&label, steps.len()));
+        report.diagnostics.push(findings::no_time(&label, steps.len(), not_understood(&steps)));
         return None;
     };
     let untimed = steps.iter().filter(|s| s.time.is_none()).count();
     if untimed > 0 {
-        report.diagnostics.push(findings::untimed(&label, untimed));
+        report.diagnostics.push(findings::untimed(&label, untimed, not_understood(&steps)));
     }
     let mut timed: Vec<(f64, &Value)> = steps.iter().filter_map(|s| Some((s.time?, s.frame))).collect();
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -161,6 +161,7 @@ fn of_text(
     let read = |target: &str| {
         let mut rows = Rows { count: RowCount::new("objects"), ..Rows::default() };
         timed.iter().for_each(|(time, frame)| rows.add(*time, frame, &document, &systems, target));
+        rows.set_aside_static(&document);
         rows
     };
     let mut rows = read(&target);
@@ -205,21 +206,33 @@ fn of_text(
 /// A frame of the document with its time, s.
 struct Step<'d> {
     time: Option<f64>,
+    /// What the frame states as its time.
+    stated: Option<&'d Value>,
     frame: &'d Value,
 }
 
 /// Frames with their times, as seconds on the document's clock.
 fn steps(document: &Value) -> Vec<Step<'_>> {
     let frames = document.get("frames").and_then(Value::as_object);
-    let time = |frame: &Value| {
-        let properties = frame.get("frame_properties")?;
-        let own = properties.get("timestamp").and_then(seconds);
-        own.or_else(|| {
-            let streams = properties.get("streams")?.as_object()?;
-            streams.values().find_map(|s| seconds(s.pointer("/stream_properties/sync/timestamp")?))
-        })
+    let step = |frame| {
+        let stated = stated_times(frame);
+        Step { time: stated.iter().find_map(|v| seconds(v)), stated: stated.first().copied(), frame }
     };
-    frames.into_iter().flatten().map(|(_, frame)| Step { time: time(frame), frame }).collect()
+    frames.into_iter().flatten().map(|(_, frame)| step(frame)).collect()
+}
+
+/// The frame's own time, and those of its streams.
+fn stated_times(frame: &Value) -> Vec<&Value> {
+    let Some(properties) = frame.get("frame_properties") else { return Vec::new() };
+    let streams = properties.get("streams").and_then(Value::as_object);
+    let of_streams = streams.into_iter().flat_map(|s| s.values());
+    let of_streams = of_streams.filter_map(|s| s.pointer("/stream_properties/sync/timestamp"));
+    properties.get("timestamp").into_iter().chain(of_streams).collect()
+}
+
+/// A time that a frame states and that is not understood.
+fn not_understood<'d>(steps: &[Step<'d>]) -> Option<&'d Value> {
+    steps.iter().filter(|s| s.time.is_none()).find_map(|s| s.stated).filter(|v| !v.is_null())
 }
 
 /// A time in seconds: a number (s, ms, us or ns by its size), the same as text, or a date.
@@ -327,6 +340,16 @@ impl Rows {
                 None => self.count.keep("track", 1),
             }
         }
+    }
+
+    /// Boxes of the document itself: objects that stand still for all of it.
+    fn set_aside_static(&mut self, document: &Value) {
+        let objects = document.get("objects").and_then(Value::as_object);
+        let boxes =
+            |o: &Value| o.pointer("/object_data/cuboid").and_then(Value::as_array).map_or(0, Vec::len);
+        let all: usize = objects.into_iter().flatten().map(|(_, o)| boxes(o)).sum();
+        self.count.read += all;
+        self.count.set_aside("static_box", all);
     }
 
     fn tracks(self, frames: &[f64], gap: f64, label: &str, report: &mut SourceReport) -> Vec<Track> {

@@ -7,6 +7,7 @@ mod comma2k19;
 mod finding;
 mod maps;
 mod mcap;
+mod mcap_fields;
 mod nuscenes;
 mod pai;
 #[path = "../../../whyroad-model/testing/require.rs"]

@@ -14,7 +14,13 @@ impl Drive {
         let ego = self.ego.as_ref().map(|e| e.rows(times, 0, Some(until)));
         let can = self.meta.can && ego.as_ref().is_some_and(|e| !e.bus.is_empty());
         Drive {
-            meta: DriveMeta { content_hash: String::new(), missing: vec![], can, ..self.meta.clone() },
+            meta: DriveMeta {
+                content_hash: String::new(),
+                missing: vec![],
+                can,
+                objects_unknown: self.unknown_until(until),
+                ..self.meta.clone()
+            },
             times: times.to_vec(),
             ego,
             tracks: self.tracks.iter().filter_map(|t| t.rows(times, 0, Some(until))).collect(),
@@ -23,6 +29,11 @@ impl Drive {
             context: stated(self.context.as_deref(), |s| s.time <= until),
             media: stated(self.media.as_deref(), |f| f.time <= until),
         }
+    }
+
+    fn unknown_until(&self, until: Nanos) -> Vec<[Nanos; 2]> {
+        let stretches = self.meta.objects_unknown.iter().filter(|[first, _]| *first <= until);
+        stretches.map(|[first, last]| [*first, (*last).min(until)]).collect()
     }
 
     /// The drive as it was at frame `frames - 1`, at most the last one; see [`Drive::until`].

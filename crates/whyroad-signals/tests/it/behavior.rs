@@ -1,6 +1,6 @@
 //! Behavior of targets and the ego over time, traffic and the light's history, compared with motions given by formulas.
 //! Expected values are computed in the comments.
-use crate::scene::{Table, add, car, drive, lane, map, near, road};
+use crate::scene::{Table, add, add_seen, car, drive, lane, map, near, road};
 use std::f64::consts::PI;
 use whyroad_model::Nanos;
 use whyroad_model::ObjectClass::Truck;
@@ -351,4 +351,23 @@ fn who_rounds_the_corners_of_a_drawn_loop_does_not_weave() {
     add(&mut d, "lorry", Truck, (12.0, 2.5), lorry);
     d.map = Some(map(vec![lane("loop", &points, 4.0)]));
     assert_eq!(when_of(&Table::of(&d), "lorry", "target.weaves", 150), None);
+}
+
+/// The car ahead is recorded for 1 s, then the source of objects is silent for 2 s: whether there is a lead is unknown,
+/// and the road is not empty. Its own motion is known as before.
+#[test]
+fn where_objects_are_not_observed_there_is_no_empty_road() {
+    let mut d = drive(30, |t| (10.0 * t, 0.0, 0.0));
+    add_seen(&mut d, "ahead", Truck, (8.0, 2.5), |i| i < 10, |t| (20.0 + 10.0 * t, 0.0, 0.0));
+    d.map = Some(road());
+    let silent = Table::of(&d);
+    assert_eq!((silent.ego_flag("lead.exists", 5), silent.ego_flag("lead.exists", 25)), (True, False));
+    d.meta.objects_unknown = vec![[d.times[10], d.times[29]]];
+    let t = Table::of(&d);
+    assert_eq!(t.ego_flag("lead.exists", 5), True);
+    for frame in [10, 25, 29] {
+        assert_eq!(t.ego_flag("lead.exists", frame), Unknown, "{frame}");
+        assert!(t.ego("lead.gap", frame).is_nan() && t.ego("traffic.density", frame).is_nan(), "{frame}");
+        near(t.ego("ego.speed", frame), 10.0, 0.1);
+    }
 }

@@ -133,24 +133,36 @@ impl Verdict {
     }
 }
 
-/// Sets velocities and headings that contradict the positions to unknown.
-pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
-    let mut out = Vec::new();
-    let Some(start) = drive.times.first().copied() else { return out };
+/// Seconds since the first frame, of the frames by which a drive is judged.
+fn first_seconds(drive: &Drive) -> Vec<f64> {
     let first = drive.times.len().min(FIRST_FRAMES);
-    let seconds: Vec<f64> = drive.times[..first].iter().map(|t| t.seconds_since(start)).collect();
+    drive.times[..first].iter().map(|t| t.seconds_since(drive.times[0])).collect()
+}
+
+/// Sets velocities and headings of the ego that contradict its positions to unknown, and what else of its motion
+/// contradicts itself.
+pub(super) fn of_ego(drive: &mut Drive) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    let seconds = first_seconds(drive);
     if let Some(ego) = &mut drive.ego {
         let mut of = Comparison::default();
         of.add(&ego.motion, &seconds, &ego.bus.speed_mps);
         let verdict = Verdict::of(&of, ("自车", "the ego"));
         verdict.forget(&mut ego.motion);
         out.extend(verdict.diagnostics);
-        out.extend(with_gravity(&mut ego.bus.vertical_accel, first));
+        out.extend(with_gravity(&mut ego.bus.vertical_accel, seconds.len()));
         if let Some(ratio) = wrong_median(&of.of_bus, is_other_unit) {
             ego.bus.speed_mps = Vec::new();
             out.push(speeds(("车辆总线", "the vehicle bus"), ratio));
         }
     }
+    out
+}
+
+/// The same of all objects together; positions have to be over ground.
+pub(super) fn of_objects(drive: &mut Drive) -> Vec<Diagnostic> {
+    let seconds = first_seconds(drive);
+    let first = seconds.len();
     let mut of = Comparison::default();
     for track in drive.tracks.iter().filter(|t| t.class.is_vehicle()) {
         let rows = track.frames.partition_point(|&f| (f as usize) < first);
@@ -159,8 +171,7 @@ pub(super) fn check(drive: &mut Drive) -> Vec<Diagnostic> {
     }
     let verdict = Verdict::of(&of, ("其他目标", "the objects"));
     drive.tracks.iter_mut().for_each(|t| verdict.forget(&mut t.motion));
-    out.extend(verdict.diagnostics);
-    out
+    verdict.diagnostics
 }
 
 /// Sets stated yaw rates that the headings contradict to unknown.

@@ -558,3 +558,77 @@ fn a_map_far_beside_or_turned_is_reported() {
         assert!(found[0].message.en.contains(&format!("about {amount:.1} degrees {way}")), "{:?}", found[0]);
     }
 }
+
+/// Without poses the ego is the origin: cars parked on the right, headed as it is, go backwards at 10 m/s relative to
+/// it. Over ground they would be wrong; relative to the ego they are not.
+#[test]
+fn what_a_moving_ego_passes_does_not_drive_backwards() {
+    let passed = |frame: FrameOfReference| {
+        let mut d = drive();
+        d.meta.frame_of_reference = frame;
+        let m = &mut d.tracks[0].motion;
+        m.x = (0..m.len()).map(|i| 30.0 - i as f64).collect();
+        m.vx.fill(f64::NAN);
+        m.vy.fill(f64::NAN);
+        if frame == FrameOfReference::Ego {
+            d.ego = None;
+        }
+        d
+    };
+    let mut relative = passed(FrameOfReference::Ego);
+    assert!(codes(&mut relative).is_empty());
+    assert!(relative.tracks[0].motion.heading.iter().all(|h| *h == 0.0));
+    assert_eq!(codes(&mut passed(FrameOfReference::World)), ["ingest.heading.backwards"]);
+}
+
+/// Beijing, 10 m/s: a degree of latitude is 111 km (GRS 80: 110.6 to 111.7), of longitude that times cos(latitude). No
+/// speed is stated. A circle of 100 m radius, and on the straight two cars 20 m and 40 m ahead.
+#[test]
+fn degrees_without_a_speed_are_found_by_the_turn_or_by_the_other_vehicles() {
+    let degrees = |d: &mut Drive, at: &dyn Fn(f64) -> (f64, f64, f64)| {
+        let put = |m: &mut Motion, ahead: f64| {
+            for i in 0..m.len() {
+                let (x, y, heading) = at(i as f64 + ahead);
+                (m.x[i], m.y[i], m.heading[i]) =
+                    (116.3 + x / 111_000.0 / 39.9f64.to_radians().cos(), 39.9 + y / 111_000.0, heading);
+            }
+            m.vx.fill(f64::NAN);
+            m.vy.fill(f64::NAN);
+            m.accel.fill(f64::NAN);
+        };
+        put(&mut d.ego.as_mut().unwrap().motion, 0.0);
+        for (k, track) in d.tracks.iter_mut().enumerate() {
+            put(&mut track.motion, 20.0 * (k + 1) as f64);
+        }
+    };
+    let mut turning = drive();
+    turning.tracks.clear();
+    degrees(&mut turning, &|s| (100.0 * (s / 100.0).sin(), 100.0 - 100.0 * (s / 100.0).cos(), s / 100.0));
+    let ego = turning.ego.as_mut().unwrap();
+    ego.reference_to_centre_m = 1.4;
+    for i in 0..50 {
+        ego.motion.x[i] += 1.4 * ego.motion.heading[i].cos();
+        ego.motion.y[i] += 1.4 * ego.motion.heading[i].sin();
+    }
+    assert_eq!(codes(&mut turning), ["ingest.position.degrees"]);
+    assert!(turning.ego.unwrap().motion.x.iter().all(|x| x.is_nan()));
+    let mut straight = drive();
+    straight.tracks.push(Track { id: "b".into(), ..straight.tracks[0].clone() });
+    degrees(&mut straight, &|s| (s, 0.0, 0.0));
+    // The pose is that of the rear axle: adapters add the way to the center of the car, in meters.
+    let ego = straight.ego.as_mut().unwrap();
+    ego.reference_to_centre_m = 1.4;
+    ego.motion.x.iter_mut().for_each(|x| *x += 1.4);
+    assert_eq!(codes(&mut straight), ["ingest.position.degrees"]);
+    // At rest, with a heading that drifts by a degree per frame, beside two parked cars.
+    let mut parked = drive();
+    parked.tracks.push(Track { id: "b".into(), ..parked.tracks[0].clone() });
+    let motions =
+        parked.ego.iter_mut().map(|e| &mut e.motion).chain(parked.tracks.iter_mut().map(|t| &mut t.motion));
+    for (k, m) in motions.enumerate() {
+        m.x.fill(5.0 * k as f64);
+        m.vx.fill(0.0);
+        m.heading = (0..m.len()).map(|i| (i as f64).to_radians()).collect();
+    }
+    assert!(codes(&mut parked).is_empty());
+}

@@ -1,5 +1,7 @@
 //! What the MCAP adapter reports, one function per code. Texts only.
 
+use super::fields::FieldCount;
+use super::mapping::Role;
 use crate::phrases::zh;
 use crate::report::{RowCount, counts_text};
 use whyroad_model::{Bilingual, Diagnostic, Lang, counted};
@@ -13,6 +15,10 @@ pub(crate) const CODES: &[&str] = &[
     "mcap.topic.undecodable",
     "mcap.topic.absent",
     "mcap.topic.unread",
+    "mcap.field.absent",
+    "mcap.field.unreadable",
+    "mcap.time.log",
+    "mcap.bus.unused",
     "mcap.frame",
     "mcap.rows.dropped",
     "mcap.class",
@@ -54,12 +60,21 @@ pub(super) fn with_guide(d: Diagnostic) -> Diagnostic {
     if d.hint.is_some() { d } else { d.with_hint(look()) }
 }
 
-pub(super) fn ego_missing(file: &str, topics: &str) -> Diagnostic {
+pub(super) fn ego_missing(file: &str, count: &RowCount, topics: &str) -> Diagnostic {
+    let (read, lost) = (count.read, |lang| counts_text(&count.dropped, lang));
+    let of_rows = if count.dropped_total() == 0 {
+        Bilingual::new("", "")
+    } else {
+        Bilingual::new(
+            format!("；读到 {read} 个位姿，丢弃：{}", lost(Lang::Zh)),
+            format!("; {} read, dropped: {}", counted(read, "pose"), lost(Lang::En)),
+        )
+    };
     Diagnostic::error(
         "mcap.ego.missing",
         Bilingual::new(
-            format!("没有可用的自车位姿；主题：{topics}"),
-            format!("no topic gives two usable poses of the ego; topics: {topics}"),
+            format!("没有可用的自车位姿{}；主题：{topics}", of_rows.zh),
+            format!("no topic gives two usable poses of the ego{}; topics: {topics}", of_rows.en),
         ),
     )
     .with_hint(look())
@@ -124,8 +139,11 @@ pub(super) fn frame(file: &str, frame_id: &str, rows: usize) -> Diagnostic {
         ),
     )
     .with_hint(Bilingual::new(
-        "在映射文件中为该主题写 `frame: world` 或 `frame: ego`",
-        "set `frame: world` or `frame: ego` for the topic in a mapping file",
+        "不读取变换（tf）：请在记录前把目标变换到自车位姿的坐标系或自车坐标系；仅当该坐标系与二者之一重合时，才在映射文件中写 \
+         `frame: world` 或 `frame: ego`",
+        "transforms (tf) are not read: transform the objects to the frame of the ego's poses or of its car before \
+         recording; set `frame: world` or `frame: ego` in a mapping file only if this frame is one of the two by another \
+         name",
     ))
     .in_file(file)
 }
@@ -155,4 +173,98 @@ pub(super) fn class(file: &str, names: &str) -> Diagnostic {
         "map them under `classes` in a mapping file",
     ))
     .in_file(file)
+}
+
+/// What the elements are that a topic's fields are counted in.
+fn elements(role: Role) -> Bilingual {
+    match role {
+        Role::Objects => Bilingual::new("个目标", "objects"),
+        _ => Bilingual::new("条消息", "messages"),
+    }
+}
+
+/// What becomes of rows without the field.
+fn without(field: &str) -> Bilingual {
+    match field {
+        "time" | "id" | "position" | "heading" | "orientation" => {
+            Bilingual::new("这些行被丢弃", "these rows are dropped")
+        }
+        _ => Bilingual::new("其值为未知", "its value is unknown there"),
+    }
+}
+
+/// A field of the mapping that no message has.
+pub(super) fn field_absent(
+    file: &str,
+    topic: &str,
+    role: Role,
+    (field, count): (&str, &FieldCount),
+) -> Diagnostic {
+    let (path, read, beside) = (&count.path, count.read, &count.beside);
+    let (of, then) = (elements(role), without(field));
+    let message = Bilingual::new(
+        format!("{topic}：{read} {}中都没有映射文件所写的 `{field}: {path}`；{}", of.zh, then.zh),
+        format!("{topic}: none of {read} {} has the `{field}: {path}` of the mapping; {}", of.en, then.en),
+    );
+    let hint = Bilingual::new(
+        format!("改正映射文件中的路径；该处有：{beside}"),
+        format!("correct the path in the mapping file; what is there: {beside}"),
+    );
+    Diagnostic::warning("mcap.field.absent", message).with_hint(hint).in_file(file)
+}
+
+/// A field in a form that is not understood.
+pub(super) fn field_unreadable(
+    file: &str,
+    topic: &str,
+    role: Role,
+    (field, count): (&str, &FieldCount),
+) -> Option<Diagnostic> {
+    let (example, form) = count.example.as_ref()?;
+    let (path, read, n) = (&count.path, count.read, count.foreign);
+    let (of, then, form) = (elements(role), without(field), form.text());
+    let message = Bilingual::new(
+        format!(
+            "{topic}：{read} {}中有 {n} 个的 `{field}: {path}` 无法理解，例如 {example}；{}",
+            of.zh, then.zh
+        ),
+        format!(
+            "{topic}: `{field}: {path}` is not understood in {n} of {read} {}, for example {example}; {}",
+            of.en, then.en
+        ),
+    );
+    let hint = Bilingual::new(
+        format!("可用的形式：{}；其他形式须在记录前换算", form.zh),
+        format!("expected: {}; convert other forms before recording", form.en),
+    );
+    Some(Diagnostic::warning("mcap.field.unreadable", message).with_hint(hint).in_file(file))
+}
+
+/// The log's times are taken because no message of the topic has a stamp.
+pub(super) fn time_of_log(file: &str, topic: &str, rows: usize) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{topic}：所有 {rows} 个时间戳均为 0（未设置）；采用日志时刻"),
+        format!("{topic}: all {rows} stamps are 0 (not set); the times of the log are used"),
+    );
+    let hint = Bilingual::new(
+        "日志时刻是记录消息的时刻，晚于测量时刻；请在发布时设置时间戳",
+        "the log's time is that of recording, later than that of measuring: set the stamps where the messages are made",
+    );
+    Diagnostic::warning("mcap.time.log", message).with_hint(hint).in_file(file)
+}
+
+/// Bus signals of which none falls into the drive; the first is `first_s` after the first frame.
+pub(super) fn bus_unused(file: &str, rows: usize, first_s: f64) -> Diagnostic {
+    let message = Bilingual::new(
+        format!("{rows} 个总线信号值无一落在行程时间内（第一个位于首帧后 {first_s:.1} s）：车辆总线为未知"),
+        format!(
+            "none of {rows} values of the bus falls into the drive (the first is at {first_s:.1} s from its first frame): \
+             the vehicle bus is unknown"
+        ),
+    );
+    let hint = Bilingual::new(
+        "检查总线与自车位姿的时间是否用同一时钟、同一单位",
+        "check that the times of the bus and of the ego's poses are of one clock and in one unit",
+    );
+    Diagnostic::error("mcap.bus.unused", message).with_hint(hint).in_file(file)
 }

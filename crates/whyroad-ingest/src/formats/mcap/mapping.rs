@@ -84,6 +84,8 @@ impl Frame {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rule {
     pub role: Role,
+    /// Of a message type whose meaning is fixed, not of the mapping file.
+    pub is_standard: bool,
     /// Used where the messages do not state it by a frame id.
     pub frame: Option<Frame>,
     pub frame_id: Option<String>,
@@ -170,6 +172,7 @@ fn rule(node: &Node, report: &mut FileReport) -> Option<Rule> {
     let mut path = |key| fields.text_opt(key, report);
     let rule = Rule {
         role: role.unwrap_or_default(),
+        is_standard: false,
         frame,
         frame_id: path("frame_id"),
         time: path("time"),
@@ -197,8 +200,13 @@ fn rule(node: &Node, report: &mut FileReport) -> Option<Rule> {
 /// The rule of a message type whose meaning is fixed; `None` for all others.
 pub(super) fn standard(schema: &str) -> Option<Rule> {
     let path = |p: &str| Some(p.to_owned());
-    let stamped = Rule { frame_id: path("header.frame_id"), time: path("header.stamp"), ..Rule::default() };
-    let foxglove = Rule { frame_id: path("frame_id"), time: path("timestamp"), ..Rule::default() };
+    let of = |frame_id: &str, time: &str| Rule {
+        is_standard: true,
+        frame_id: path(frame_id),
+        time: path(time),
+        ..Rule::default()
+    };
+    let (stamped, foxglove) = (of("header.frame_id", "header.stamp"), of("frame_id", "timestamp"));
     Some(match schema.replace("/msg/", "/").as_str() {
         "nav_msgs/Odometry" => Rule {
             role: Role::Ego,

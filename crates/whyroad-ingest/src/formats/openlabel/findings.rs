@@ -1,6 +1,7 @@
 //! What the OpenLABEL adapter reports, one function per code. Texts only.
 
 use crate::phrases::zh;
+use serde_json::Value;
 use whyroad_model::{Bilingual, Diagnostic};
 
 /// Codes of this adapter; each has a page in `docs/diagnostics/`.
@@ -21,25 +22,49 @@ pub(super) fn unreadable(file: &str, reason: &str) -> Diagnostic {
     Diagnostic::error("openlabel.file.unreadable", message).in_file(file)
 }
 
-pub(super) fn no_time(file: &str, frames: usize) -> Diagnostic {
-    let message = Bilingual::new(
-        format!("{frames} 帧都没有时间，无法得到行程"),
-        format!("none of its {frames} frames has a time; there is no drive without times"),
-    );
-    Diagnostic::error("openlabel.time.missing", message)
-        .with_hint(Bilingual::new(
-            "在 frame_properties.timestamp 中写入每帧的时间",
-            "write each frame's time into frame_properties.timestamp",
-        ))
-        .in_file(file)
+/// `example`: a time that is stated and not understood.
+pub(super) fn no_time(file: &str, frames: usize, example: Option<&Value>) -> Diagnostic {
+    let message = match example {
+        None => Bilingual::new(
+            format!("{frames} 帧都没有时间，无法得到行程"),
+            format!("none of its {frames} frames has a time; there is no drive without times"),
+        ),
+        Some(time) => Bilingual::new(
+            format!("{frames} 帧的时间均无法理解（例如 {time}），无法得到行程"),
+            format!(
+                "the times of its {frames} frames are not understood (for example {time}); there is no drive without times"
+            ),
+        ),
+    };
+    Diagnostic::error("openlabel.time.missing", message).with_hint(time_hint(example)).in_file(file)
 }
 
-pub(super) fn untimed(file: &str, frames: usize) -> Diagnostic {
-    let message = Bilingual::new(
-        format!("{frames} 帧没有时间，已忽略"),
-        format!("{frames} frames have no time and are left out"),
-    );
-    Diagnostic::error("openlabel.time.missing", message).in_file(file)
+pub(super) fn untimed(file: &str, frames: usize, example: Option<&Value>) -> Diagnostic {
+    let message = match example {
+        None => Bilingual::new(
+            format!("{frames} 帧没有时间，已忽略"),
+            format!("{frames} frames have no time and are left out"),
+        ),
+        Some(time) => Bilingual::new(
+            format!("{frames} 帧没有时间或其时间无法理解（例如 {time}），已忽略"),
+            format!("{frames} frames have no time, or one that is not understood ({time}), and are left out"),
+        ),
+    };
+    Diagnostic::error("openlabel.time.missing", message).with_hint(time_hint(example)).in_file(file)
+}
+
+fn time_hint(example: Option<&Value>) -> Bilingual {
+    match example {
+        None => Bilingual::new(
+            "在 frame_properties.timestamp 中写入每帧的时间",
+            "write each frame's time into frame_properties.timestamp",
+        ),
+        Some(_) => Bilingual::new(
+            "日期须带 UTC 偏移，例如 2026-01-15T10:30:00Z 或 2026-01-15T18:30:00+08:00；也可写数字（s、ms、µs、ns）",
+            "a date has to state its offset from UTC, as in 2026-01-15T10:30:00Z or 2026-01-15T18:30:00+08:00; a number (s, \
+             ms, us, ns) is understood, too",
+        ),
+    }
 }
 
 pub(super) fn no_system(file: &str) -> Diagnostic {

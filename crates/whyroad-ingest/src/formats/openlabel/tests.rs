@@ -191,3 +191,31 @@ fn a_world_without_transforms_is_only_named() {
     assert_eq!(drive.meta.frame_of_reference, FrameOfReference::Ego);
     assert!(near(drive.track(&"a".into()).unwrap().motion.x[3], 20.0) && drive.ego.is_none());
 }
+
+/// A date without an offset from UTC is a time that nobody can place, not an absent one.
+#[test]
+fn a_date_without_an_offset_is_named() {
+    let mut v = document();
+    for frame in v["openlabel"]["frames"].as_object_mut().unwrap().values_mut() {
+        frame["frame_properties"]["timestamp"] = json!("2024-05-01T10:00:00");
+    }
+    let (drive, report) = read_json(&v);
+    assert!(drive.is_none() && codes(&report) == ["openlabel.time.missing"]);
+    let d = &report.diagnostics[0];
+    assert!(
+        d.message.en.contains("not understood (for example \"2024-05-01T10:00:00\")"),
+        "{}",
+        d.message.en
+    );
+    assert!(d.hint.as_ref().unwrap().en.contains("offset from UTC"));
+}
+
+/// The standard lets static objects have their box at the document instead of in each frame.
+#[test]
+fn boxes_of_the_document_itself_are_counted() {
+    let mut v = document();
+    let cuboid = v["openlabel"]["frames"]["0"]["objects"]["c"]["object_data"].clone();
+    v["openlabel"]["objects"]["99"] = json!({ "name": "99", "type": "Car", "object_data": cuboid });
+    let count = &read_json(&v).1.tables[0];
+    assert_eq!((count.read, count.set_aside["static_box"]), (51, 1));
+}
