@@ -6,6 +6,7 @@ pub mod appearance;
 pub mod audits;
 pub mod bulk;
 pub mod classes;
+pub mod by_state;
 mod compared;
 pub mod copies;
 pub mod create;

@@ -304,6 +304,11 @@ export const screenTexts = {
   "model.none": [
     "服务未配置语言模型。管理员可这样启动服务：",
     "No language model is configured. An administrator can start the service with",
+  "dash.submitted.other_labels": ["等待其他人的标注", "Waits for other labels"],
+  "dash.submitted.other_labels.hint": [
+    "同一事件的其他独立标注尚未提交，或已采用另一份：不能质检。",
+    "Other independent labels of the episode are not handed in, or one was chosen before: cannot be checked.",
+  ],
   ],
   "model.hint": [
     "模型：{model}。草稿注明出自模型，由标注员修改；判定只是模型的意见，不影响流程。",

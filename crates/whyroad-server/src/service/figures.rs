@@ -4,8 +4,34 @@
 use crate::app::App;
 use crate::metrics::{StoreFigures, Text};
 use crate::problem::Answer;
-use crate::service::webhooks;
-use std::time::Instant;
+use crate::service::bounded::{Bounded, Turn};
+use crate::service::{by_state, webhooks};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Maximum time for an answer: less than the time that probes of Kubernetes files wait (5 s) and Prometheus waits by
+/// default (10 s).
+const ANSWER_WITHIN: Duration = Duration::from_secs(3);
+
+/// What the probes of a service ask.
+#[derive(Default)]
+pub struct Probes {
+    /// Whether the store answers, or its error code.
+    store: Arc<Bounded<Result<(), &'static str>>>,
+    /// Whether the recordings can be read.
+    lake: Arc<Bounded<bool>>,
+    /// The figures of the store.
+    figures: Arc<Bounded<Option<StoreFigures>>>,
+}
+
+/// Whether the store answers; otherwise the reason.
+///
+/// # Errors
+/// It does not answer, or not in time.
+pub fn store_ready(app: &Arc<App>) -> Result<(), String> {
+    let turn = ask_store(app);
+    store_answer(app, turn, Instant::now() + ANSWER_WITHIN)
+}
 
 /// Whether the service is ready; otherwise the reason.
 ///
@@ -59,9 +85,7 @@ fn look(app: &App) -> Answer<StoreFigures> {
     let begun = Instant::now();
     let mut held = app.store.report(|tx| {
         let mut held = StoreFigures::default();
-        for row in tx.rows("SELECT state, count(*) AS n FROM tasks GROUP BY state", &[])? {
-            held.tasks.insert(row.text("state")?, row.int("n")?);
-        }
+        held.tasks = by_state::of_all(tx)?;
         (held.waiting, held.oldest) = webhooks::waiting(tx)?;
         Ok(held)
     })?;
