@@ -12,6 +12,7 @@ use crate::reports::Reports;
 use crate::service::disagreement;
 use crate::service::facts::cache::FactsCache;
 use crate::service::model_runs::waiting::WaitingCounts;
+use crate::service::probes::Probes;
 use crate::service::scene::cache::SceneCache;
 use crate::service::shared::SharedReadings;
 use crate::service::veil;
@@ -86,6 +87,8 @@ pub struct App {
     pub access_log: Option<AccessLog>,
     /// Metrics for operators.
     pub metrics: Metrics,
+    /// What probes ask.
+    pub probes: Probes,
     /// Token that is required for creating the first account; `None` where only this machine can reach the service.
     pub setup_token: Option<String>,
     /// Identity provider at which people can also sign in.
@@ -186,6 +189,7 @@ impl App {
 
     /// Current time for leases, ms since 1970: services on several machines share the clock of their store.
     pub fn lease_now(&self, tx: &mut dyn Tx) -> Answer<i64> {
+            probes: Probes::default(),
         match self.lease_clock {
             LeaseClock::Service => Ok(self.now()),
             LeaseClock::Store => Ok(tx.clock()?.unwrap_or_else(|| self.now())),

@@ -4,6 +4,7 @@ pub mod actions;
 pub mod answer;
 pub mod appearance;
 pub mod audits;
+pub(crate) mod bounded;
 pub mod bulk;
 pub mod classes;
 pub mod by_state;
@@ -38,6 +39,7 @@ pub mod permissions;
 pub mod pickers;
 #[cfg(test)]
 mod plans;
+pub mod probes;
 pub mod projects;
 pub mod queue;
 pub mod recognized;

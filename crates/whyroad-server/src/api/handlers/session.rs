@@ -201,6 +201,6 @@ pub fn openapi(call: &Call<'_>) -> Answer<Reply> {
 
 /// `GET /healthz`
 pub fn health(call: &Call<'_>) -> Answer<Reply> {
-    call.app.store.read(|tx| tx.row("SELECT 1", &[]))?;
+    figures::store_ready(call.app).map_err(Problem::store)?;
     Reply::json(&json!({ "done": true }))
 }
