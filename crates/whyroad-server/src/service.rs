@@ -6,8 +6,8 @@ pub mod appearance;
 pub mod audits;
 pub(crate) mod bounded;
 pub mod bulk;
-pub mod classes;
 pub mod by_state;
+pub mod classes;
 mod compared;
 pub mod copies;
 pub mod create;
@@ -19,6 +19,7 @@ pub mod drafts;
 pub mod facts;
 pub mod figures;
 pub mod findings;
+pub mod first_account;
 #[cfg(test)]
 mod fixtures;
 pub mod gold;
