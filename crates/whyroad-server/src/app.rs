@@ -154,14 +154,21 @@ impl App {
         disagreement::note_all(&store)?;
         let csrf_key = vault.open_text(vault::CSRF, &csrf_key)?;
         let limits = Limits::of(&store);
+        let drives = || Arc::new(CheckedDrives(Arc::clone(&recordings)));
+        let (mut stage1_checker, mut stage2_checker) = (
+            Checker::new(framework).with_histories(drives()),
+            Checker::new(framework).with_recordings(drives()),
+        );
+        if recordings.compares() {
+            stage1_checker = stage1_checker.reporting_missing_drives();
+            stage2_checker = stage2_checker.reporting_missing_drives();
+        }
         Ok(Self {
             store,
             framework,
             checker: Checker::new(framework),
-            stage1_checker: Checker::new(framework)
-                .with_histories(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
-            stage2_checker: Checker::new(framework)
-                .with_recordings(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
+            stage1_checker,
+            stage2_checker,
             recordings,
             reports: None,
             model: None,
@@ -182,6 +189,7 @@ impl App {
             log: Arc::new(|_| {}),
             access_log: None,
             metrics: Metrics::default(),
+            probes: Probes::default(),
             setup_token: None,
             oidc: None,
         })
@@ -189,7 +197,6 @@ impl App {
 
     /// Current time for leases, ms since 1970: services on several machines share the clock of their store.
     pub fn lease_now(&self, tx: &mut dyn Tx) -> Answer<i64> {
-            probes: Probes::default(),
         match self.lease_clock {
             LeaseClock::Service => Ok(self.now()),
             LeaseClock::Store => Ok(tx.clock()?.unwrap_or_else(|| self.now())),
