@@ -11,11 +11,13 @@ export const session = $state<{
   user: User | null;
   /** Name of the identity provider; null without one. */
   provider: string | null;
+  /** The first account needs the token that the service printed, and the address does not have it. */
+  asksToken: boolean;
   /** Address at the provider that signs out there as well; set after signing out here. */
   providerSignOut: string | null;
   /** The session ended while the page was in use: in another tab, or by its time. */
   ended: boolean;
-}>({ status: "loading", user: null, provider: null, providerSignOut: null, ended: false });
+}>({ status: "loading", user: null, provider: null, asksToken: false, providerSignOut: null, ended: false });
 
 /** Why signing in at the identity provider failed; shown by the next screen. */
 export const providerReturn = $state<{ error: unknown }>({ error: null });
@@ -27,6 +29,7 @@ function adopt(s: Session): void {
   setCsrf(s.csrf);
   session.user = s.user ?? null;
   session.provider = s.provider ?? null;
+  session.asksToken = s.setup_token === true && !tokenInAddress();
   session.status = s.user ? "in" : s.first_run ? "setup" : "out";
 }
 
@@ -86,12 +89,19 @@ export async function goToProvider(purpose: "sign_in" | "link"): Promise<void> {
   location.assign(url);
 }
 
+function tokenInAddress(): string | null {
+  return new URLSearchParams(location.search).get("setup");
+}
+
 /**
  * Creates the first administrator. A service that is reachable from other machines requires the token of the address it
- * printed.
+ * printed; `typed` is used where the address of the page does not have it.
  */
-export async function setup(first: { name: string; display: string; password: string; lang: string }): Promise<void> {
-  const token = new URLSearchParams(location.search).get("setup");
+export async function setup(
+  first: { name: string; display: string; password: string; lang: string },
+  typed: string,
+): Promise<void> {
+  const token = tokenInAddress() ?? typed.trim();
   signedIn(await api.postSetup(token ? { ...first, token } : first));
   // The token is used up and must not stay in the address.
   if (token) replaceQuery("");

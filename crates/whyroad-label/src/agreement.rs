@@ -21,14 +21,7 @@ use std::collections::BTreeMap;
 /// Cohen's kappa of pairs (first rater, second rater). `None` without pairs, and where agreement by chance is certain
 /// (both raters used only one and the same category), because agreement beyond chance is not defined then.
 pub fn cohen<C: Ord>(pairs: &[(C, C)]) -> Option<f64> {
-    let n = pairs.len() as f64;
-    let mut margins: BTreeMap<&C, (f64, f64)> = BTreeMap::new();
-    for (a, b) in pairs {
-        margins.entry(a).or_default().0 += 1.0;
-        margins.entry(b).or_default().1 += 1.0;
-    }
-    let seen = pairs.iter().filter(|(a, b)| a == b).count() as f64 / n;
-    let chance: f64 = margins.values().map(|(a, b)| a * b / (n * n)).sum();
+    let (seen, chance) = agreements(pairs);
     beyond_chance(seen, chance)
 }
 
@@ -50,6 +43,41 @@ pub fn fleiss<C: Ord>(items: &[Vec<C>]) -> Option<f64> {
     }
     let chance: f64 = shares.values().map(|k| (k / total) * (k / total)).sum();
     beyond_chance(agreed / total, chance)
+}
+
+/// Two values, each with who gave it.
+pub type RatedPair<R, C> = ((R, C), (R, C));
+
+/// Cohen's kappa over pairs of labels of several people: the observed agreement of all pairs, against the agreement by
+/// chance that each pair of people has from their own margins, weighted by their number of labels (H. De Vries et al.,
+/// "Using pooled kappa to summarize interrater agreement across many items", Field Methods 20, 2008). For two people it
+/// is [`cohen`]. Unlike kappa of one table of all pairs it does not depend on which of a pair comes first.
+pub fn cohen_pooled<R: Ord, C: Ord>(pairs: &[RatedPair<R, C>]) -> Option<f64> {
+    let mut tables: BTreeMap<(&R, &R), Vec<(&C, &C)>> = BTreeMap::new();
+    for ((one, a), (other, b)) in pairs {
+        let (people, values) = if one <= other { ((one, other), (a, b)) } else { ((other, one), (b, a)) };
+        tables.entry(people).or_default().push(values);
+    }
+    let (mut seen, mut chance) = (0.0, 0.0);
+    for table in tables.values() {
+        let of_table = agreements(table);
+        seen += of_table.0 * table.len() as f64;
+        chance += of_table.1 * table.len() as f64;
+    }
+    let n = pairs.len() as f64;
+    beyond_chance(seen / n, chance / n)
+}
+
+/// Observed agreement of pairs, and agreement by chance.
+fn agreements<C: Ord>(pairs: &[(C, C)]) -> (f64, f64) {
+    let n = pairs.len() as f64;
+    let mut margins: BTreeMap<&C, (f64, f64)> = BTreeMap::new();
+    for (a, b) in pairs {
+        margins.entry(a).or_default().0 += 1.0;
+        margins.entry(b).or_default().1 += 1.0;
+    }
+    let seen = pairs.iter().filter(|(a, b)| a == b).count() as f64 / n;
+    (seen, margins.values().map(|(a, b)| a * b / (n * n)).sum())
 }
 
 fn beyond_chance(seen: f64, chance: f64) -> Option<f64> {
@@ -84,7 +112,12 @@ mod tests {
         let mut lines: Vec<serde_json::Value> =
             ["open", "stage1", "stage1_locked", "stage2", "skipped", "rejected"].map(task).into();
         let judged = pair_tasks(&lines);
-        assert_eq!((judged.waiting, judged.unreadable, judged.unmatched), (6, 0, 0));
+        assert_eq!(
+            (judged.waiting, judged.left_out),
+            (4, 2),
+            "nobody will submit what was skipped or rejected"
+        );
+        assert_eq!((judged.unreadable, judged.unmatched), (0, 0));
         lines.push(task("submitted"));
         assert_eq!(pair_tasks(&lines).unreadable, 1, "a submitted task without a label");
     }
@@ -99,6 +132,25 @@ mod tests {
         assert!((yes_no(20, 5, 10, 15) - 0.4).abs() < 1e-12);
         assert!((yes_no(45, 15, 25, 15) - 0.1304).abs() < 5e-5);
         assert!((yes_no(25, 35, 5, 35) - 0.2593).abs() < 5e-5);
+    }
+
+    /// By hand from two of the tables above: observed (35 + 60) / 150, by chance (25 + 54) / 150.
+    #[test]
+    fn pooled_kappa_depends_on_no_order() {
+        let of = |people: (&'static str, &'static str), pairs: Vec<(&'static str, &'static str)>| -> Vec<_> {
+            pairs.into_iter().map(|(a, b)| ((people.0, a), (people.1, b))).collect()
+        };
+        let one = table([(("y", "y"), 20), (("y", "n"), 5), (("n", "y"), 10), (("n", "n"), 15)]);
+        let other = table([(("y", "y"), 45), (("y", "n"), 15), (("n", "y"), 25), (("n", "n"), 15)]);
+        let alone = of(("ann", "bo"), one.clone());
+        assert_eq!(cohen_pooled(&alone), cohen(&one));
+        let all = [alone, of(("ann", "cai"), other)].concat();
+        let expected = (95.0 - 79.0) / (150.0 - 79.0);
+        assert!((cohen_pooled(&all).unwrap() - expected).abs() < 1e-12);
+        let turned: Vec<_> =
+            all.iter().enumerate().map(|(i, (a, b))| if i % 3 == 0 { (*b, *a) } else { (*a, *b) }).collect();
+        assert!((cohen_pooled(&turned).unwrap() - expected).abs() < 1e-12);
+        assert_eq!(cohen_pooled::<u8, u8>(&[]), None);
     }
 
     #[test]

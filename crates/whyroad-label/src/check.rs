@@ -45,6 +45,9 @@ use whyroad_framework::check::{
 use whyroad_model::Diagnostic;
 use whyroad_model::label_fields::pointer;
 
+/// Code of the report that a label was not compared, because its drive is not available.
+pub const UNRECORDED: &str = "label.clip.unrecorded";
+
 /// Checks documents against one framework and, where given, one list of clips.
 #[derive(Debug)]
 pub struct Checker<'f> {
@@ -116,22 +119,15 @@ impl<'f> Checker<'f> {
             drafted,
         };
         rulebook.check(label, sink);
-        if let (true, None, Some((_, id))) = (self.misses_drives, &recorded, of_clip) {
-            sink.report(Finding::warning("label.clip.unrecorded", pointer::CLIP_ID), &|| {
-                Words::new(
-                    format!("数据湖中没有片段 '{id}' 的行程：未与录制核对"),
-                    format!(
-                        "the lake has no drive of clip '{id}': the label was not compared with a recording"
-                    ),
-                )
-            });
-        }
+        let history = || if self.stage_one { until_keyframe() } else { None };
+        // In Stage I a drive is cut at the keyframe: without one there is nothing to compare.
+        let comparable = !self.stage_one || label.keyframe.timestamp.get().is_some();
         if let Some(recorded) = &recorded {
             motion::check(label, recorded, &until_keyframe, self.framework, &self.classes, sink);
-        } else if self.stage_one
-            && let Some(history) = until_keyframe()
-        {
+        } else if let Some(history) = history() {
             motion::components(label, &history, None, self.framework, sink);
+        } else if let (true, Some((_, id))) = (self.misses_drives && comparable, of_clip) {
+            unrecorded(id, sink);
         }
     }
 
@@ -197,6 +193,15 @@ impl<'f> Checker<'f> {
             self.rules(&view, drafted, walk);
         })
     }
+}
+
+fn unrecorded(clip: &str, sink: &mut dyn Sink) {
+    sink.report(Finding::warning(UNRECORDED, pointer::CLIP_ID), &|| {
+        Words::new(
+            format!("数据湖中没有片段 '{clip}' 的行程：未与录制核对"),
+            format!("the lake has no drive of clip '{clip}': the label was not compared with a recording"),
+        )
+    });
 }
 
 #[cfg(test)]

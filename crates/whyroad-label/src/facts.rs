@@ -7,6 +7,7 @@ mod revision;
 pub use revision::{Revision, revision};
 
 use serde_json::Value;
+use std::collections::BTreeSet;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::{DriveId, Nanos, ScenarioId};
@@ -93,6 +94,29 @@ pub struct TaskFacts {
     pub worked_s: f64,
 }
 
+impl TaskFacts {
+    /// Whether somebody still has to do something with this task before its label is accepted or left out. A label of
+    /// which the lead chose another one is in no state that anybody waits for: the tasks counted by state in the
+    /// service are these, the accepted ones and those left out.
+    pub fn is_unfinished(&self) -> bool {
+        !self.superseded && matches!(self.stage, LabelStage::Waiting | LabelStage::Labelled)
+    }
+
+    /// Whether its label was accepted and is the one that stands for its episode.
+    pub fn is_accepted(&self) -> bool {
+        !self.superseded && self.stage == LabelStage::Accepted
+    }
+}
+
+/// Episodes on the way to an accepted label: with an unfinished task, and without an accepted label. Several people may
+/// label an episode; it needs one accepted label.
+pub fn unfinished_episodes(tasks: &[TaskFacts]) -> BTreeSet<&str> {
+    let accepted: BTreeSet<&str> =
+        tasks.iter().filter(|t| t.is_accepted()).map(|t| t.episode.as_str()).collect();
+    let unfinished = tasks.iter().filter(|t| t.is_unfinished()).map(|t| t.episode.as_str());
+    unfinished.filter(|e| !accepted.contains(e)).collect()
+}
+
 /// Summary of one entry of a task's history.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Step {
@@ -107,21 +131,29 @@ pub struct Step {
 /// Maximum time counted for a pause between two entries, s: reading without saving is work, up to this.
 pub const LONGEST_PAUSE_S: f64 = 300.0;
 
-/// Actions after which their actor continues to work on the task.
-const WORKING: [&str; 4] = ["take", "edit", "lock_stage1", "restore"];
+/// Actions by which the task leaves the hands of whoever has it; every other entry is one of work in progress.
+const PASSING_ON: [&str; 7] = ["release", "submit", "accept", "send_back", "skip", "reject", "reopen"];
 
 /// Time that people worked on a task, s: between consecutive entries of its history by one person, from taking the task
 /// to passing it on, where each pause counts [`LONGEST_PAUSE_S`] at most.
 pub fn worked_s(steps: &[Step]) -> f64 {
-    steps
-        .windows(2)
-        .filter_map(|pair| {
-            let [a, b] = pair else { return None };
-            let one = a.actor.is_some() && a.actor == b.actor && WORKING.contains(&a.action.as_str());
-            let pause = (b.at_ms - a.at_ms).max(0) as f64 / 1000.0;
-            one.then_some(pause.min(LONGEST_PAUSE_S))
-        })
-        .sum()
+    let (mut holder, mut last, mut total): (Option<&str>, Option<&Step>, f64) = (None, None, 0.0);
+    for step in steps {
+        let actor = step.actor.as_deref();
+        if let Some(before) =
+            last.filter(|b| actor.is_some() && actor == holder && actor == b.actor.as_deref())
+        {
+            let pause = (step.at_ms - before.at_ms).max(0) as f64 / 1000.0;
+            total += pause.min(LONGEST_PAUSE_S);
+        }
+        match step.action.as_str() {
+            "take" => holder = actor,
+            action if PASSING_ON.contains(&action) => holder = None,
+            _ => {}
+        }
+        last = Some(step);
+    }
+    total
 }
 
 #[cfg(test)]
@@ -143,6 +175,25 @@ mod tests {
             step(3690, "ben", "accept"),
         ];
         assert!((worked_s(&steps) - 90.0).abs() < 1e-9);
+    }
+
+    /// docs/reference/analytics.md: from taking it to passing it on. By hand: 2 s to the lock, 3 s to the answer of the
+    /// safety filter, 40 s of watching Stage II; the entry of another person in between belongs to nobody's pause.
+    #[test]
+    fn time_after_the_answer_of_the_safety_filter_is_work() {
+        let steps = [
+            step(0, "kit", "take"),
+            step(2, "kit", "lock_stage1"),
+            step(5, "kit", "safety"),
+            step(45, "kit", "submit"),
+            step(50, "lea", "assign"),
+            step(60, "lea", "assign"),
+            step(70, "cai", "take"),
+            step(80, "cai", "judge"),
+            step(100, "cai", "send_back"),
+            step(110, "cai", "judge"),
+        ];
+        assert!((worked_s(&steps) - (45.0 + 30.0)).abs() < 1e-9, "{}", worked_s(&steps));
     }
 
     #[test]

@@ -12,6 +12,7 @@ use crate::reports::Reports;
 use crate::service::disagreement;
 use crate::service::facts::cache::FactsCache;
 use crate::service::model_runs::waiting::WaitingCounts;
+use crate::service::probes::Probes;
 use crate::service::scene::cache::SceneCache;
 use crate::service::shared::SharedReadings;
 use crate::service::veil;
@@ -86,6 +87,8 @@ pub struct App {
     pub access_log: Option<AccessLog>,
     /// Metrics for operators.
     pub metrics: Metrics,
+    /// What probes ask.
+    pub probes: Probes,
     /// Token that is required for creating the first account; `None` where only this machine can reach the service.
     pub setup_token: Option<String>,
     /// Identity provider at which people can also sign in.
@@ -151,14 +154,21 @@ impl App {
         disagreement::note_all(&store)?;
         let csrf_key = vault.open_text(vault::CSRF, &csrf_key)?;
         let limits = Limits::of(&store);
+        let drives = || Arc::new(CheckedDrives(Arc::clone(&recordings)));
+        let (mut stage1_checker, mut stage2_checker) = (
+            Checker::new(framework).with_histories(drives()),
+            Checker::new(framework).with_recordings(drives()),
+        );
+        if recordings.compares() {
+            stage1_checker = stage1_checker.reporting_missing_drives();
+            stage2_checker = stage2_checker.reporting_missing_drives();
+        }
         Ok(Self {
             store,
             framework,
             checker: Checker::new(framework),
-            stage1_checker: Checker::new(framework)
-                .with_histories(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
-            stage2_checker: Checker::new(framework)
-                .with_recordings(Arc::new(CheckedDrives(Arc::clone(&recordings)))),
+            stage1_checker,
+            stage2_checker,
             recordings,
             reports: None,
             model: None,
@@ -179,6 +189,7 @@ impl App {
             log: Arc::new(|_| {}),
             access_log: None,
             metrics: Metrics::default(),
+            probes: Probes::default(),
             setup_token: None,
             oidc: None,
         })

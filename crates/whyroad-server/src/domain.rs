@@ -13,6 +13,7 @@ pub mod people;
 pub mod project;
 pub mod safety;
 pub mod scene;
+pub mod settings;
 pub mod talk;
 pub mod task;
 pub mod workflow;

@@ -111,17 +111,15 @@ impl Metrics {
         self.stopping.load(Ordering::Relaxed)
     }
 
-    /// The figures of the last query if they are recent enough, or of a new one.
-    pub(crate) fn of_store(&self, look: impl FnOnce() -> Option<StoreFigures>) -> Option<StoreFigures> {
-        let mut kept = lock(&self.store);
-        if let Some((at, held)) = &*kept
-            && at.elapsed() < STORE_AGE
-        {
-            return held.clone();
-        }
-        let held = look();
-        *kept = Some((Instant::now(), held.clone()));
-        held
+    /// The result of the last query of the store, if it is recent enough; within, `None` where it did not answer.
+    pub(crate) fn recent_figures(&self) -> Option<Option<StoreFigures>> {
+        let kept = lock(&self.store);
+        kept.as_ref().filter(|(at, _)| at.elapsed() < STORE_AGE).map(|(_, held)| held.clone())
+    }
+
+    /// Keeps the result of a query of the store.
+    pub(crate) fn keep_figures(&self, held: Option<StoreFigures>) {
+        *lock(&self.store) = Some((Instant::now(), held));
     }
 
     /// Requests.

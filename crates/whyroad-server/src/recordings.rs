@@ -110,6 +110,12 @@ pub trait Recordings: Send + Sync {
         None
     }
 
+    /// Whether there is a recorded drive for each label ([`Recordings::recorded`], [`Recordings::recorded_until`]): a
+    /// label without one is then reported as not compared, instead of passing as compared and sound.
+    fn compares(&self) -> bool {
+        false
+    }
+
     /// Names of the folders of mining results from which tasks can be created.
     fn mined(&self) -> Vec<String>;
 

@@ -4,7 +4,9 @@ pub mod actions;
 pub mod answer;
 pub mod appearance;
 pub mod audits;
+pub(crate) mod bounded;
 pub mod bulk;
+pub mod by_state;
 pub mod classes;
 mod compared;
 pub mod copies;
@@ -17,6 +19,7 @@ pub mod drafts;
 pub mod facts;
 pub mod figures;
 pub mod findings;
+pub mod first_account;
 #[cfg(test)]
 mod fixtures;
 pub mod gold;
@@ -37,6 +40,7 @@ pub mod permissions;
 pub mod pickers;
 #[cfg(test)]
 mod plans;
+pub mod probes;
 pub mod projects;
 pub mod queue;
 pub mod recognized;

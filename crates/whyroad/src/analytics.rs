@@ -6,7 +6,7 @@ mod service;
 pub(crate) use service::ServiceReports;
 
 use crate::output::reason::{cannot_read, no_project};
-use crate::store_args::{error as refusal, open_store};
+use crate::store_args::{KeyArgs, error as refusal};
 use anyhow::{Context as _, anyhow};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -63,8 +63,12 @@ pub(crate) struct Labelling {
 }
 
 /// The tasks of a store: `labels.db`, the folder with it, or a PostgreSQL address; of one project, or of all.
-pub(crate) fn labelling(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Labelling> {
-    let store = open_store(source, lang)?;
+pub(crate) fn labelling(
+    (source, key): (&str, &KeyArgs),
+    project: Option<&str>,
+    lang: Lang,
+) -> anyhow::Result<Labelling> {
+    let store = key.open(source, lang)?;
     let all = store.read(projects::all).map_err(|p| refusal(&p, lang))?;
     let chosen: Vec<_> =
         all.iter().filter(|p| project.is_none_or(|name| p.name == name || p.id == name)).collect();

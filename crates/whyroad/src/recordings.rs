@@ -153,6 +153,10 @@ impl Recordings for ServiceRecordings {
         self.lake.version(id)
     }
 
+    fn compares(&self) -> bool {
+        true
+    }
+
     fn ready(&self) -> Result<(), Bilingual> {
         self.lake.ready().map_err(in_words)
     }

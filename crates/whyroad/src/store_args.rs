@@ -12,19 +12,27 @@ use whyroad_server::problem::Problem;
 use whyroad_server::secret;
 use whyroad_server::store::{Store, StoreLocation, key_file};
 
-/// The store that a `--labels` or `--store` argument names: a SQLite file, the folder with `labels.db`, or a PostgreSQL
-/// address. Related files are searched where the service keeps them: beside the file, or in the service's folder.
-pub(crate) fn open_store(source: &str, lang: Lang) -> anyhow::Result<Store> {
-    let named = |variable: &str| std::env::var_os(variable).map(PathBuf::from);
-    open_store_with(
-        source,
-        &named("WHYROAD_DATA_DIR").unwrap_or_else(|| "whyroad-data".into()),
-        named("WHYROAD_KEY_FILE"),
-        lang,
-    )
+/// Where the key of a store is, for commands that read labels from one.
+#[derive(clap::Args, Clone, Debug, Default)]
+pub(crate) struct KeyArgs {
+    /// Folder of the service's data: with a PostgreSQL store, its key file
+    #[arg(long, value_name = "DIR", default_value = "whyroad-data", env = "WHYROAD_DATA_DIR")]
+    data: PathBuf,
+    /// Key file of the store [default: beside the SQLite file, or labels.db.key in --data]
+    #[arg(long, value_name = "FILE", env = "WHYROAD_KEY_FILE")]
+    key_file: Option<PathBuf>,
 }
 
-/// [`open_store`] of a service with this folder and, where it is not the default one, this key file.
+impl KeyArgs {
+    /// The store that a `--labels` or `--store` argument names: see [`open_store_with`].
+    pub(crate) fn open(&self, source: &str, lang: Lang) -> anyhow::Result<Store> {
+        open_store_with(source, &self.data, self.key_file.clone(), lang)
+    }
+}
+
+/// The store that a `--labels` or `--store` argument names: a SQLite file, the folder with `labels.db`, or a PostgreSQL
+/// address, of a service with the folder `data` and, where it is not the default one, the key file `key`. Related files
+/// are searched where the service keeps them: beside the file, or in the service's folder.
 pub(crate) fn open_store_with(
     source: &str,
     data: &Path,

@@ -11,6 +11,7 @@ export interface components {
             scenario_id: string;
             state: string;
             task: string;
+            to_choose: boolean;
             user?: string | null;
         };
         Agreement: {
@@ -174,6 +175,7 @@ export interface components {
             };
             coverage: components["schemas"]["Coverage"][];
             safety: components["schemas"]["SafetyCounts"];
+            submitted: components["schemas"]["WaitingLabels"];
             throughput: components["schemas"]["Throughput"][];
             /** Format: int64 */
             to_choose: number;
@@ -732,7 +734,7 @@ export interface components {
                 [key: string]: number;
             } | null;
             /** @default null */
-            settings?: components["schemas"]["Settings"] | null;
+            settings?: components["schemas"]["SettingsChange"] | null;
         };
         Projects: {
             items: components["schemas"]["Project"][];
@@ -818,6 +820,8 @@ export interface components {
             csrf: string;
             first_run: boolean;
             provider?: string | null;
+            /** @default false */
+            setup_token?: boolean;
             user?: components["schemas"]["User"] | null;
         };
         Settings: {
@@ -874,6 +878,30 @@ export interface components {
              * @default 0
              */
             utc_offset_min?: number;
+        };
+        SettingsChange: {
+            /** Format: uint32 */
+            audit_max_percent?: number | null;
+            /** Format: uint32 */
+            audit_min_percent?: number | null;
+            currency?: string | null;
+            /** Format: uint32 */
+            gold_labels?: number | null;
+            /** Format: uint32 */
+            gold_percent?: number | null;
+            history?: components["schemas"]["HistoryRule"] | null;
+            /** Format: double */
+            hourly_rate?: number | null;
+            lang?: string | null;
+            /** Format: uint32 */
+            lease_s?: number | null;
+            /** Format: uint32 */
+            place_precision_m?: number | null;
+            /** Format: uint32 */
+            retention_days?: number | null;
+            stage1_class?: components["schemas"]["Stage1Class"] | null;
+            /** Format: int32 */
+            utc_offset_min?: number | null;
         };
         Setup: {
             display: string;
@@ -1108,6 +1136,14 @@ export interface components {
             verdict: components["schemas"]["VerdictKind"];
         };
         VerdictKind: "right" | "wrong_leaf" | "nothing" | "keyframe_moved";
+        WaitingLabels: {
+            /** Format: int64 */
+            check: number;
+            /** Format: int64 */
+            choice: number;
+            /** Format: int64 */
+            other_labels: number;
+        };
         Webhook: {
             events: string[];
             /** Format: int64 */
@@ -1265,6 +1301,7 @@ export type SafetyRequest = components["schemas"]["SafetyRequest"];
 export type SceneView = components["schemas"]["SceneView"];
 export type Session = components["schemas"]["Session"];
 export type Settings = components["schemas"]["Settings"];
+export type SettingsChange = components["schemas"]["SettingsChange"];
 export type Setup = components["schemas"]["Setup"];
 export type Shape = components["schemas"]["Shape"];
 export type ShortWindow = components["schemas"]["ShortWindow"];
@@ -1294,6 +1331,7 @@ export type Users = components["schemas"]["Users"];
 export type Validate = components["schemas"]["Validate"];
 export type Verdict = components["schemas"]["Verdict"];
 export type VerdictKind = components["schemas"]["VerdictKind"];
+export type WaitingLabels = components["schemas"]["WaitingLabels"];
 export type Webhook = components["schemas"]["Webhook"];
 export type Webhooks = components["schemas"]["Webhooks"];
 export type Work = components["schemas"]["Work"];

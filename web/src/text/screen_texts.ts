@@ -63,6 +63,11 @@ export const screenTexts = {
     "还没有用户。第一个用户是管理员，可以创建项目和其他用户。",
     "There are no users yet. The first user is the administrator, who can create projects and other users.",
   ],
+  "setup.token": ["设置口令", "Setup token"],
+  "setup.token.hint": [
+    "服务启动时在日志中给出：地址 /?setup=口令。",
+    "The service printed it when it started, in the address /?setup=TOKEN of its log.",
+  ],
   "setup.display": ["显示名", "Display name"],
   "setup.repeat": ["再次输入密码", "Repeat password"],
   "setup.mismatch": ["两次输入的密码不一致", "The passwords do not match"],
@@ -298,6 +303,11 @@ export const screenTexts = {
   "dash.to_choose": [
     "{n} 个事件的独立标注已全部提交，等待负责人采用其中一份。",
     "{n} {n:episode waits|episodes wait} for a lead to choose one of the independent labels.",
+  ],
+  "dash.submitted.other_labels": ["等待其他人的标注", "Waits for other labels"],
+  "dash.submitted.other_labels.hint": [
+    "同一事件的其他独立标注尚未提交，或已采用另一份：不能质检。",
+    "Other independent labels of the episode are not handed in, or one was chosen before: cannot be checked.",
   ],
   "dash.agreement.none": ["还没有由两人都完成的独立标注任务。", "No episode has been labeled by two annotators yet."],
   "model.title": ["语言模型", "Language model"],

@@ -1,7 +1,10 @@
 //! Agreement of the labels of the same episodes: class, decisions, keyframe, components, each with an interval.
 
 use super::pairing::{Item, moment, seconds_in_clip};
-use super::{ComponentMatch, Estimate, alpha_interval, alpha_nominal, bootstrap, cohen, median};
+use super::{
+    ComponentMatch, Estimate, alpha_interval, alpha_nominal, bootstrap, cohen_pooled, match_components,
+    median,
+};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use whyroad_model::messages::CocLabel;
@@ -18,7 +21,7 @@ pub struct NominalAgreement {
     pub episodes: usize,
     /// Share of pairs of raters with the same value.
     pub same: Estimate,
-    /// Cohen's kappa over pairs of raters.
+    /// Cohen's kappa over pairs of raters ([`cohen_pooled`]).
     pub kappa: Estimate,
     /// Krippendorff's alpha.
     pub alpha: Estimate,
@@ -38,9 +41,10 @@ pub struct KeyframeAgreement {
 /// Agreement on critical components.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComponentAgreement {
-    /// Components of the first and of the second rater, and of both.
+    /// Over all pairs of labels: components of the first, of the second, and of both. Of an episode with three labels a
+    /// component is in two pairs.
     pub counts: [usize; 3],
-    /// F1 over all components.
+    /// F1 over all pairs of labels of all episodes.
     pub f1: Estimate,
 }
 
@@ -78,8 +82,10 @@ pub fn agreement(items: &[Item], seed: u64) -> Agreement {
         items.iter().map(|i| pairs(i, moment, |a, b| a.seconds_since(*b).abs())).collect();
     let moments: Vec<Vec<f64>> =
         items.iter().map(|i| i.labels.iter().map(|l| seconds_in_clip(&l.label)).collect()).collect();
-    let matches: Vec<ComponentMatch> = items.iter().filter_map(Item::components).collect();
-    let sum = |of: fn(&ComponentMatch) -> usize| matches.iter().map(of).sum();
+    let components = |l: &CocLabel| l.critical_components.clone();
+    let matches: Vec<Vec<ComponentMatch>> =
+        items.iter().map(|i| pairs(i, components, |a, b| match_components(a, b))).collect();
+    let sum = |of: fn(&ComponentMatch) -> usize| matches.iter().flatten().map(of).sum();
     Agreement {
         episodes: items.len(),
         raters: raters.into_iter().map(str::to_owned).collect(),
@@ -93,31 +99,48 @@ pub fn agreement(items: &[Item], seed: u64) -> Agreement {
         },
         components: ComponentAgreement {
             counts: [sum(|m| m.first), sum(|m| m.second), sum(|m| m.common)],
-            f1: bootstrap(&matches, seed, ComponentMatch::f1),
+            f1: bootstrap(&matches, seed, |m| ComponentMatch::f1(&m.concat())),
         },
     }
 }
 
 fn nominal(part: &'static str, of: Part, items: &[Item], seed: u64) -> NominalAgreement {
-    let units: Vec<Vec<String>> =
-        items.iter().map(|i| i.labels.iter().map(|l| of(&l.label)).collect()).collect();
+    let units: Vec<Vec<(String, String)>> =
+        items.iter().map(|i| i.labels.iter().map(|l| (l.rater.clone(), of(&l.label))).collect()).collect();
     NominalAgreement { part, episodes: units.len(), ..nominal_agreement(part, &units, seed) }
 }
 
-/// Agreement on categories; each unit has the values of its raters, who are in the same order in every unit.
-pub(crate) fn nominal_agreement(part: &'static str, units: &[Vec<String>], seed: u64) -> NominalAgreement {
-    let both = |units: &[Vec<String>]| -> Vec<(String, String)> {
-        let all = units.iter().flat_map(|u| {
-            (0..u.len()).flat_map(move |i| (i + 1..u.len()).map(move |j| (u[i].clone(), u[j].clone())))
-        });
-        all.collect()
-    };
+/// Raters and values of a unit, two by two.
+fn two_by_two(units: &[Vec<(String, String)>]) -> Vec<(Rating<'_>, Rating<'_>)> {
+    let mut out = Vec::new();
+    for unit in units {
+        for (i, a) in unit.iter().enumerate() {
+            out.extend(unit[i + 1..].iter().map(|b| (rating(a), rating(b))));
+        }
+    }
+    out
+}
+
+/// A rater and a value.
+type Rating<'u> = (&'u str, &'u str);
+
+fn rating((rater, value): &(String, String)) -> Rating<'_> {
+    (rater, value)
+}
+
+/// Agreement on categories; each unit has its raters with their values.
+pub(crate) fn nominal_agreement(
+    part: &'static str,
+    units: &[Vec<(String, String)>],
+    seed: u64,
+) -> NominalAgreement {
+    let values: Vec<Vec<&str>> = units.iter().map(|u| u.iter().map(|(_, v)| v.as_str()).collect()).collect();
     NominalAgreement {
         part,
         episodes: units.len(),
-        same: bootstrap(units, seed, |u| share(&both(u), |(a, b)| a == b)),
-        kappa: bootstrap(units, seed, |u| cohen(&both(u))),
-        alpha: bootstrap(units, seed, alpha_nominal),
+        same: bootstrap(units, seed, |u| share(&two_by_two(u), |(a, b)| a.1 == b.1)),
+        kappa: bootstrap(units, seed, |u| cohen_pooled(&two_by_two(u))),
+        alpha: bootstrap(&values, seed, alpha_nominal),
     }
 }
 
@@ -138,20 +161,53 @@ fn pairs<V, R>(item: &Item, of: impl Fn(&CocLabel) -> V, value: impl Fn(&V, &V) 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agreement::RatedLabel;
 
     #[test]
     fn kappa_and_alpha_are_those_of_the_libraries() {
         // scikit-learn 1.9.1, cohen_kappa_score(A, B); krippendorff 0.9.0, level_of_measurement="nominal".
         const A: &str = "y y f n s s f y n n r f s y n f y r s n";
         const B: &str = "y f f n s n f y n y r f s y n n y f s n";
-        let units: Vec<Vec<String>> =
-            A.split(' ').zip(B.split(' ')).map(|(a, b)| vec![a.to_owned(), b.to_owned()]).collect();
+        let rated = |rater: &str, value: &str| (rater.to_owned(), value.to_owned());
+        let units: Vec<Vec<(String, String)>> =
+            A.split(' ').zip(B.split(' ')).map(|(a, b)| vec![rated("a", a), rated("b", b)]).collect();
         let of = nominal_agreement("x", &units, 7);
         assert!((of.kappa.value.unwrap() - 0.678_456_591_639_871_4).abs() < 1e-12, "{of:?}");
         assert!((of.alpha.value.unwrap() - 0.685_483_870_967_742).abs() < 1e-12, "{of:?}");
         assert!((of.same.value.unwrap() - 0.75).abs() < 1e-12);
         for e in [of.same, of.kappa, of.alpha] {
             assert!(e.low.unwrap() < e.value.unwrap() && e.value.unwrap() < e.high.unwrap(), "{e:?}");
+        }
+    }
+
+    /// Three labels of one episode, of which one names other objects than the two that agree: of three pairs one
+    /// agrees. By hand: 2 components in each label, 6 and 6 over the pairs, 2 in common; F1 = 2 x 2 / 12.
+    #[test]
+    fn components_are_compared_over_all_pairs_whoever_differs() {
+        let text = include_str!("../../../../examples/cutin_urgent_example.json");
+        let example: CocLabel = serde_json::from_str(text).unwrap();
+        let label = |objects: [&str; 2]| {
+            let mut label = example.clone();
+            let one = label.critical_components[0].clone();
+            label.critical_components = objects
+                .iter()
+                .map(|o| {
+                    let mut c = one.clone();
+                    c.linked_objects = vec![(*o).to_owned()];
+                    c
+                })
+                .collect();
+            label
+        };
+        for odd in 0..3 {
+            let labels = ["ann", "bo", "cai"].iter().enumerate().map(|(i, rater)| RatedLabel {
+                rater: (*rater).to_owned(),
+                label: label(if i == odd { ["x", "y"] } else { ["t1", "t2"] }),
+            });
+            let items = [Item { id: "e1".to_owned(), labels: labels.collect() }];
+            let of = agreement(&items, 1).components;
+            assert_eq!(of.counts, [6, 6, 2], "{odd}");
+            assert!((of.f1.value.unwrap() - 1.0 / 3.0).abs() < 1e-12, "{odd}: {of:?}");
         }
     }
 }

@@ -1,8 +1,6 @@
 //! Finds the labels of one episode by several people: in two exports, by clip and nearest keyframe; or in tasks of the
 //! labeling service, by episode.
 
-use super::ComponentMatch;
-use super::components::match_components;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use whyroad_model::Nanos;
@@ -36,18 +34,12 @@ pub struct Judged {
     pub items: Vec<Item>,
     /// Labels of episodes that only one rater has.
     pub unmatched: usize,
-    /// Tasks whose label nobody has submitted.
+    /// Tasks whose label nobody has submitted yet.
     pub waiting: usize,
+    /// Tasks that were skipped or rejected before a label was submitted: there will be none.
+    pub left_out: usize,
     /// Lines without a readable label.
     pub unreadable: usize,
-}
-
-impl Item {
-    /// The matching components of the first two labels.
-    pub(super) fn components(&self) -> Option<ComponentMatch> {
-        let [a, b, ..] = self.labels.as_slice() else { return None };
-        Some(match_components(&a.label.critical_components, &b.label.critical_components))
-    }
 }
 
 /// Pairs the labels of two files: within a clip the nearest keyframes first, one to one.
@@ -98,9 +90,17 @@ pub fn pair_tasks(lines: &[Value]) -> Judged {
     let mut by_episode: BTreeMap<String, BTreeMap<String, CocLabel>> = BTreeMap::new();
     for line in lines {
         let task = line.get("task").unwrap_or(line);
-        if is_waiting(task) {
-            out.waiting += 1;
-            continue;
+        if submission(task).is_none() {
+            let state = task.get("state").and_then(Value::as_str).unwrap_or_default();
+            let count = match state {
+                _ if NOT_YET_SUBMITTED.contains(&state) => Some(&mut out.waiting),
+                _ if LEFT_OUT.contains(&state) => Some(&mut out.left_out),
+                _ => None,
+            };
+            if let Some(count) = count {
+                *count += 1;
+                continue;
+            }
         }
         let Some(label) = first_label(task) else {
             out.unreadable += 1;
@@ -125,8 +125,10 @@ pub fn pair_tasks(lines: &[Value]) -> Judged {
     out
 }
 
-/// States of tasks whose label was never submitted, where the history has no submission.
-const NOT_SUBMITTED: [&str; 6] = ["open", "stage1", "stage1_locked", "stage2", "skipped", "rejected"];
+/// States of tasks whose label is still to be submitted, where the history has no submission.
+const NOT_YET_SUBMITTED: [&str; 4] = ["open", "stage1", "stage1_locked", "stage2"];
+/// States of tasks of which there will be no label.
+const LEFT_OUT: [&str; 2] = ["skipped", "rejected"];
 
 /// The entry of the history that has the label as first submitted.
 fn submission(task: &Value) -> Option<&Value> {
@@ -134,12 +136,6 @@ fn submission(task: &Value) -> Option<&Value> {
         e.get("action").and_then(Value::as_str) == Some("submit")
             && e.get("draft").is_some_and(Value::is_object)
     })
-}
-
-/// True for a task of which nobody has submitted a label.
-fn is_waiting(task: &Value) -> bool {
-    let state = task.get("state").and_then(Value::as_str).unwrap_or_default();
-    NOT_SUBMITTED.contains(&state) && submission(task).is_none()
 }
 
 /// The label as first submitted, if the history has it; else the current label.

@@ -4,7 +4,7 @@
 use super::decisions::{lateral, longitudinal};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use whyroad_label::agreement::{cohen, fleiss, median};
+use whyroad_label::agreement::{cohen_pooled, fleiss, median};
 use whyroad_label::facts::{Judgement, TaskFacts};
 
 /// The compared field.
@@ -29,6 +29,16 @@ impl Measure {
             Measure::Longitudinal => "longitudinal",
             Measure::Lateral => "lateral",
             Measure::Keyframe => "keyframe",
+        }
+    }
+
+    /// Its displayed name, Chinese and English.
+    pub fn name(self) -> (&'static str, &'static str) {
+        match self {
+            Measure::Class => ("场景", "class"),
+            Measure::Longitudinal => ("纵向决策", "longitudinal decision"),
+            Measure::Lateral => ("横向决策", "lateral decision"),
+            Measure::Keyframe => ("关键帧（0.5 s 内为相同）", "keyframe (same: within 0.5 s)"),
         }
     }
 }
@@ -65,7 +75,7 @@ pub(super) fn rows(tasks: &[TaskFacts]) -> Vec<AgreementRow> {
         }
     }
     groups.retain(|_, g| g.len() > 1);
-    // Pairs by person, so that the first and second rater are the same ones throughout.
+    // For the sake of a repeatable order.
     groups.values_mut().for_each(|g| g.sort());
     if groups.is_empty() {
         return vec![];
@@ -81,16 +91,18 @@ pub(super) fn rows(tasks: &[TaskFacts]) -> Vec<AgreementRow> {
         .into_iter()
         .map(|measure| {
             let of = word(measure);
-            let items: Vec<Vec<String>> =
-                groups.values().map(|g| g.iter().map(|(_, j)| of(j)).collect()).collect();
-            let pairs: Vec<(String, String)> = items.iter().flat_map(|i| pairs(i)).collect();
-            let same = pairs.iter().filter(|(a, b)| a == b).count() as f64;
+            let rated: Vec<Vec<(&str, String)>> =
+                groups.values().map(|g| g.iter().map(|(who, j)| (*who, of(j))).collect()).collect();
+            let items: Vec<Vec<&str>> =
+                rated.iter().map(|g| g.iter().map(|(_, value)| value.as_str()).collect()).collect();
+            let pairs: Vec<_> = rated.iter().flat_map(|i| pairs(i)).collect();
+            let same = pairs.iter().filter(|(a, b)| a.1 == b.1).count() as f64;
             AgreementRow {
                 measure,
                 episodes: items.len() as u64,
                 pairs: pairs.len() as u64,
                 same: (!pairs.is_empty()).then(|| same / pairs.len() as f64),
-                cohen: cohen(&pairs),
+                cohen: cohen_pooled(&pairs),
                 fleiss: fleiss(&items),
                 median_s: None,
             }

@@ -5,7 +5,7 @@ use super::input::HourlyRate;
 use super::stages::StageRow;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_label::facts::{LabelStage, TaskFacts};
+use whyroad_label::facts::{LabelStage, TaskFacts, unfinished_episodes};
 use whyroad_model::Nanos;
 
 const DAY_NS: i64 = 86_400_000_000_000;
@@ -13,7 +13,7 @@ const DAY_NS: i64 = 86_400_000_000_000;
 /// Everything.
 #[derive(Clone, Debug, Serialize)]
 pub struct Progress {
-    /// Tasks that are neither accepted nor left out.
+    /// Tasks that somebody still has to label, check or choose ([`TaskFacts::is_unfinished`]).
     pub unfinished: u64,
     /// Time that people worked, h: labeling, rework, check, audit.
     pub worked_h: f64,
@@ -63,7 +63,7 @@ pub struct PersonRow {
 pub enum FinishBasis {
     /// The required numbers by leaf.
     Wanted,
-    /// The unfinished tasks: no target is set.
+    /// The episodes with an unfinished task and without an accepted label: no target is set.
     Unfinished,
 }
 
@@ -72,7 +72,7 @@ pub enum FinishBasis {
 pub struct Finish {
     /// Basis of the count.
     pub basis: FinishBasis,
-    /// Labels still to be accepted.
+    /// Labels still to be accepted, one for each episode.
     pub remaining: u64,
     /// Days from `as_of`.
     pub days: Option<DaysLeft>,
@@ -108,8 +108,7 @@ pub(super) fn of(
 ) -> Progress {
     let worked_h = tasks.iter().map(|t| t.worked_s).sum::<f64>() / 3600.0;
     let accepted = tasks.iter().filter(|t| t.stage == LabelStage::Accepted).count();
-    let unfinished =
-        tasks.iter().filter(|t| matches!(t.stage, LabelStage::Waiting | LabelStage::Labelled)).count() as u64;
+    let unfinished = tasks.iter().filter(|t| t.is_unfinished()).count() as u64;
     let cost = rate.filter(|_| accepted > 0).map(|r| Cost {
         per_label: r.amount * worked_h / accepted as f64,
         total: r.amount * worked_h,
@@ -120,7 +119,7 @@ pub(super) fn of(
         worked_h,
         weeks: weeks(tasks, as_of),
         people: people(tasks),
-        finish: finish(tasks, stages, unfinished, as_of),
+        finish: finish(tasks, stages, as_of),
         cost,
     }
 }
@@ -185,12 +184,12 @@ fn people(tasks: &[TaskFacts]) -> Vec<PersonRow> {
     out
 }
 
-fn finish(tasks: &[TaskFacts], stages: &[StageRow], unfinished: u64, as_of: Option<Nanos>) -> Finish {
+fn finish(tasks: &[TaskFacts], stages: &[StageRow], as_of: Option<Nanos>) -> Finish {
     let leaves = stages.iter().filter(|s| s.scenario_id.is_leaf());
     let wanted: Vec<u64> =
         leaves.filter_map(|s| Some(s.wanted?.saturating_sub(s.counts.accepted.unwrap_or(0)))).collect();
     let (basis, remaining) = if wanted.is_empty() {
-        (FinishBasis::Unfinished, unfinished)
+        (FinishBasis::Unfinished, unfinished_episodes(tasks).len() as u64)
     } else {
         (FinishBasis::Wanted, wanted.iter().sum())
     };
@@ -215,7 +214,7 @@ fn finish(tasks: &[TaskFacts], stages: &[StageRow], unfinished: u64, as_of: Opti
 /// Accepted labels of each complete day before `today`, from the first one on; an episode counts once.
 fn daily(tasks: &[TaskFacts], today: i64) -> Vec<u64> {
     let mut episodes = BTreeSet::new();
-    let accepted = tasks.iter().filter(|t| t.stage == LabelStage::Accepted && !t.superseded);
+    let accepted = tasks.iter().filter(|t| t.is_accepted());
     let days: Vec<i64> = accepted
         .filter(|t| episodes.insert(&t.episode))
         .filter_map(|t| Some(t.accepted?.0.div_euclid(DAY_NS)))

@@ -6,7 +6,7 @@ use super::outlook::hours_for;
 use super::stages::StageRow;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use whyroad_label::facts::LabelStage;
+use whyroad_label::facts::unfinished_episodes;
 use whyroad_model::messages::{CoverageState, MiningQueryMessage};
 use whyroad_model::{Bilingual, ScenarioId};
 
@@ -62,7 +62,7 @@ pub struct Shortfall {
     pub scenario_id: ScenarioId,
     /// Its name.
     pub name: Bilingual,
-    /// Required accepted labels; `None` where no target is set and the leaf was never found.
+    /// Required accepted labels; `None` where no target is set and nothing of the leaf was ever found.
     pub wanted: Option<u64>,
     /// Accepted labels.
     pub accepted: Option<u64>,
@@ -89,8 +89,10 @@ pub(super) fn of(
     inputs: &AnalyticsInputs<'_>,
 ) -> Vec<Shortfall> {
     let mut in_progress: BTreeMap<&ScenarioId, BTreeSet<&str>> = BTreeMap::new();
-    for t in inputs.tasks.unwrap_or_default() {
-        if matches!(t.stage, LabelStage::Waiting | LabelStage::Labelled) && !t.superseded {
+    let tasks = inputs.tasks.unwrap_or_default();
+    let unfinished = unfinished_episodes(tasks);
+    for t in tasks {
+        if t.is_unfinished() && unfinished.contains(t.episode.as_str()) {
             let class = t.label.as_ref().and_then(|l| l.scenario.as_ref()).unwrap_or(&t.scenario);
             in_progress.entry(class).or_default().insert(&t.episode);
         }
@@ -108,6 +110,13 @@ pub(super) fn of(
     out
 }
 
+/// Whether there is anything of the leaf: an episode, primary or secondary, a label, or a task on the way to one.
+fn was_found(row: &StageRow, in_progress: Option<u64>) -> bool {
+    let counts = &row.counts;
+    let any = [counts.mined, row.secondary, counts.labelled, counts.accepted, counts.released, in_progress];
+    any.into_iter().flatten().any(|n| n > 0)
+}
+
 fn one(
     row: &StageRow,
     in_progress: Option<u64>,
@@ -119,7 +128,7 @@ fn one(
         (Some(wanted), Some(have)) => Some(wanted.saturating_sub(have)).filter(|n| *n > 0)?,
         (Some(wanted), None) => wanted,
         // Without a target, a leaf without a find is still a shortfall.
-        (None, _) if row.counts.mined.is_none_or(|n| n == 0) && row.state.is_some() => FIRST,
+        (None, _) if row.state.is_some() && !was_found(row, in_progress) => FIRST,
         (None, _) => return None,
     };
     let untasked = row.counts.mined.map(|n| n.saturating_sub(row.counts.tasked.unwrap_or(0)));

@@ -184,6 +184,7 @@ fn summary(a: &Analytics) -> Sheet {
     }
     if let Some(p) = &a.progress {
         rows.push(("tasks_unfinished", Some(p.unfinished as f64), None, None, None));
+        rows.push(("labels_remaining", Some(p.finish.remaining as f64), None, None, None));
         rows.push(("worked_h", Some(p.worked_h), None, None, None));
         let days = p.finish.days;
         rows.push((

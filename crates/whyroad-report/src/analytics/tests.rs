@@ -256,6 +256,56 @@ fn corrections_agreement_and_cost_are_those_of_the_project() {
     assert_eq!((p.finish.remaining, p.finish.reason), (5, Some(forecast::NoForecast::TooFewDays)));
 }
 
+/// docs/reference/analytics.md: an episode that several people label counts once, and labels that were overruled in
+/// adjudication do not count. e1: accepted, with two overruled labels; e2: three copies on the way; e3: one task; e4:
+/// left out; e5: accepted, and a copy that was added later. By hand: 3 + 1 + 1 tasks, 2 episodes.
+#[test]
+fn what_is_unfinished_are_neither_overruled_labels_nor_copies() {
+    let overruled = |name: &str| TaskFacts { superseded: true, ..task(name, "e1", LabelStage::Labelled) };
+    let accepted = |name: &str, episode: &str| TaskFacts {
+        accepted: Some(at("2026-11-10T08:00:00Z")),
+        ..task(name, episode, LabelStage::Accepted)
+    };
+    let tasks = [
+        accepted("t1", "e1"),
+        overruled("t2"),
+        overruled("t3"),
+        task("t4", "e2", LabelStage::Labelled),
+        task("t5", "e2", LabelStage::Waiting),
+        task("t6", "e2", LabelStage::Labelled),
+        task("t7", "e3", LabelStage::Waiting),
+        task("t8", "e4", LabelStage::LeftOut),
+        accepted("t9", "e5"),
+        task("t10", "e5", LabelStage::Waiting),
+    ];
+    let framework = Framework::bundled();
+    let of = |tasks: &[TaskFacts], wanted: &BTreeMap<ScenarioId, u64>| {
+        let inputs = AnalyticsInputs {
+            mined: None,
+            tasks: Some(tasks),
+            releases: None,
+            wanted,
+            rate: None,
+            as_of: None,
+            utc_offset_h: 0,
+            query: &|_, _| None,
+        };
+        Analytics::new(framework, &inputs)
+    };
+    let a = of(&tasks, &BTreeMap::new());
+    let p = a.progress.as_ref().unwrap();
+    assert_eq!((p.unfinished, p.finish.basis, p.finish.remaining), (5, FinishBasis::Unfinished, 2));
+    let wanted = [(id(URGENT), 9)].into();
+    let a = of(&tasks, &wanted);
+    assert_eq!(a.progress.as_ref().unwrap().finish.remaining, 7, "against the target");
+    let urgent = a.shortfalls.iter().find(|s| s.scenario_id == id(URGENT)).unwrap();
+    assert_eq!(urgent.in_progress, Some(2));
+    // With the choice made and accepted, nothing is left.
+    let done = of(&tasks[..3], &BTreeMap::new());
+    let p = done.progress.unwrap();
+    assert_eq!((p.unfinished, p.finish.reason), (0, Some(forecast::NoForecast::Done)));
+}
+
 #[test]
 fn contexts_keep_what_is_not_stated() {
     let a = analytics(true, true);
@@ -321,6 +371,38 @@ fn shortfalls_say_what_to_do() {
     assert!(of(&id(SLOW)).is_none(), "its one label is there");
     let framework = Framework::bundled();
     assert_eq!(of(&third(framework)).unwrap().step, ShortfallStep::OtherDrives);
+}
+
+/// docs/reference/analytics.md: without a target, a leaf has a shortfall when it was never found. One with a secondary
+/// episode was found, and so was one with a label or a task; the same leaf without any of them was not.
+#[test]
+fn what_was_found_beside_another_class_is_no_shortfall() {
+    let framework = Framework::bundled();
+    let short = |mined: &MinedFacts, tasks: &[TaskFacts]| {
+        let wanted = BTreeMap::new();
+        let inputs = AnalyticsInputs {
+            mined: Some(mined),
+            tasks: Some(tasks),
+            releases: None,
+            wanted: &wanted,
+            rate: None,
+            as_of: None,
+            utc_offset_h: 0,
+            query: &|_, _| None,
+        };
+        Analytics::new(framework, &inputs).shortfalls.iter().any(|s| s.scenario_id == id(SLOW))
+    };
+    let nothing = mined(framework);
+    assert!(short(&nothing, &[]));
+    let mut secondary = mined(framework);
+    secondary.coverage.leaves[1].state = CoverageState::Found;
+    secondary.coverage.leaves[1].episodes = 1;
+    secondary.episodes.by_class.insert(id(SLOW), [("a".into(), (1, 0))].into());
+    assert!(!short(&secondary, &[]));
+    let waiting = TaskFacts { scenario: id(SLOW), ..task("t1", "e1", LabelStage::Waiting) };
+    assert!(!short(&nothing, std::slice::from_ref(&waiting)));
+    let left_out = TaskFacts { stage: LabelStage::LeftOut, ..waiting };
+    assert!(short(&nothing, &[left_out]), "people said that it is not one");
 }
 
 #[test]

@@ -132,11 +132,12 @@ fn labelling(out: &mut String, a: &Analytics, lang: Lang) {
     }
     for row in &a.agreement {
         let value = |v: Option<f64>| v.map_or(unknown.to_owned(), |v| number(v, 2));
+        let (zh, en) = row.measure.name();
         let _ = writeln!(
             out,
             "{} {}: {} {}, Cohen κ {}, Fleiss κ {}",
             if lang == Lang::Zh { "一致性" } else { "agreement" },
-            row.measure.id(),
+            if lang == Lang::Zh { zh } else { en },
             row.pairs,
             if lang == Lang::Zh { "对" } else { "pairs" },
             value(row.cohen),

@@ -31,6 +31,11 @@ pub fn pass(app: &App, route: &Route, request: &Request) -> Answer<(Option<User>
             ));
         }
     }
+    let credentials = request.token.is_some() || request.cookie.is_some();
+    // Nobody to look up.
+    if route.access == Access::Anyone && (route.is_probe || !credentials) {
+        return Ok((None, Grant::default()));
+    }
     let now = app.now();
     app.store.read(|tx| {
         let user = match (&request.token, &request.cookie) {

@@ -124,6 +124,8 @@ pub struct Route {
     pub session_only: bool,
     /// Meaning of an empty answer (204), if there may be one.
     pub empty: Option<&'static str>,
+    /// Answers even where the store hangs: nobody is identified, and it does not wait for other requests.
+    pub is_probe: bool,
     /// The handler.
     pub run: Handler,
 }
@@ -147,6 +149,7 @@ impl Route {
             media: None,
             session_only: false,
             empty: None,
+            is_probe: false,
             run,
         }
     }
@@ -200,6 +203,12 @@ impl Route {
     #[must_use]
     pub const fn empty_when(mut self, meaning: &'static str) -> Self {
         self.empty = Some(meaning);
+        self
+    }
+    /// Does not depend on the store before its handler.
+    #[must_use]
+    pub const fn as_probe(mut self) -> Self {
+        self.is_probe = true;
         self
     }
     /// Answers with a `T` as JSON.

@@ -143,7 +143,7 @@ async fn answer(app: Arc<App>, turns: Arc<Semaphore>, request: axum::extract::Re
     }
     let _working = peer.as_ref().map(Peer::works);
     // The semaphore is never closed.
-    let turn = turns.acquire_owned().await;
+    let turn = if route.is_probe { None } else { turns.acquire_owned().await.ok() };
     let (log, clock) = (Arc::clone(&app.log), Arc::clone(&app.clock));
     let work = tokio::task::spawn_blocking(move || {
         let _turn = turn;

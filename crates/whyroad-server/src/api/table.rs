@@ -444,5 +444,6 @@ pub static ROUTES: &[Route] = &[
     // The service.
     Route::get("/openapi.json", Access::Anyone, "This document", session::openapi).gives::<Value>(),
     Route::get("/healthz", Access::Anyone, "Whether the service and its store are available", session::health)
+        .as_probe()
         .gives::<Done>(),
 ];

@@ -12,6 +12,9 @@ pub struct Session {
     pub csrf: String,
     /// True while there is no user: `POST /setup` creates the first one.
     pub first_run: bool,
+    /// True if that needs the token that the service printed when it started.
+    #[serde(default)]
+    pub setup_token: bool,
     /// Name of the identity provider at which users can also sign in: `POST /oidc/begin`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provider: Option<String>,

@@ -2,6 +2,7 @@
 
 use super::people::User;
 use super::safety::SafetyCounts;
+pub use super::settings::{HistoryRule, Settings, SettingsChange, Stage1Class};
 use crate::domain::workflow::Role;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -23,86 +24,6 @@ pub struct Project {
     pub settings: Settings,
     /// The caller's roles in it.
     pub roles: Vec<Role>,
-}
-
-/// Settings of a project.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct Settings {
-    /// Length of a lease, s.
-    pub lease_s: u32,
-    /// Minimum audit rate of checked labels, in percent.
-    pub audit_min_percent: u32,
-    /// Maximum audit rate, for an author with a poor record, in percent.
-    pub audit_max_percent: u32,
-    /// Language of drafts: `zh` or `en`.
-    pub lang: String,
-    /// Condition that excludes a user from Stage I of a task.
-    pub history: HistoryRule,
-    /// How precisely Stage I shows the class of a task.
-    pub stage1_class: Stage1Class,
-    /// Precision of locations, m: scenes are given relative to the corner of a square of this size, without the
-    /// position of that corner. 0 for recorded positions.
-    pub place_precision_m: u32,
-    /// Gold labels that an annotator submits before being judged; 0 for no qualification.
-    pub gold_labels: u32,
-    /// Minimum mean agreement with gold answers for qualification, in percent. Annotators who are not qualified are
-    /// audited at the maximum rate.
-    pub gold_percent: u32,
-    /// Days after which finished tasks are removed with their labels; 0 to keep them.
-    pub retention_days: u32,
-    /// Cost of an hour of work, for the cost per accepted label; null if unknown.
-    pub hourly_rate: Option<f64>,
-    /// Currency of the rate, for display.
-    pub currency: String,
-    /// Minutes by which the project's clock is ahead of UTC: its days begin at midnight of that clock. A change applies
-    /// to work from then on.
-    pub utc_offset_min: i32,
-}
-
-/// What a user may have seen of a drive and still do Stage I of one of its tasks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum HistoryRule {
-    /// Nothing after the task's keyframe, in any task.
-    #[default]
-    Drive,
-    /// Nothing after the keyframe in a task of the same episode. For small teams and short drives, where the same few
-    /// people eventually see all of a drive.
-    Episode,
-}
-
-/// How precisely Stage I shows the class of a task.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Stage1Class {
-    /// The L3 class.
-    #[default]
-    Leaf,
-    /// The L2 class, if an L3 class of that L2 has a name that reveals the outcome. Everything that depends on the L3
-    /// class (specification, signals, target, range, drafted components) is then withheld until Stage I is locked.
-    L2,
-}
-
-impl Default for Settings {
-    /// LABELING.md 6: audit of 10 to 20 %. Leases of five minutes, renewed by a heartbeat.
-    fn default() -> Self {
-        Self {
-            lease_s: 300,
-            audit_min_percent: 10,
-            audit_max_percent: 20,
-            lang: "zh".to_owned(),
-            history: HistoryRule::Drive,
-            stage1_class: Stage1Class::Leaf,
-            place_precision_m: 0,
-            gold_labels: 0,
-            gold_percent: 80,
-            retention_days: 0,
-            hourly_rate: None,
-            currency: "CNY".to_owned(),
-            utc_offset_min: 0,
-        }
-    }
 }
 
 /// Pending work in a project.
@@ -182,12 +103,12 @@ pub struct ProjectChange {
     /// Label guide.
     #[serde(default)]
     pub guide: Option<String>,
-    /// Target number of labels, by L3 class.
+    /// Target number of labels, by L3 class: all of them, classes that are not in it have no target any more.
     #[serde(default)]
     pub quota: Option<BTreeMap<String, u32>>,
-    /// Settings.
+    /// Settings: only those that are given are changed.
     #[serde(default)]
-    pub settings: Option<Settings>,
+    pub settings: Option<SettingsChange>,
 }
 
 /// A member of a project.
@@ -232,6 +153,8 @@ pub struct MemberChange {
 pub struct Dashboard {
     /// Tasks by state.
     pub by_state: BTreeMap<String, i64>,
+    /// What those in the state `submitted` wait for.
+    pub submitted: WaitingLabels,
     /// Minutes by which the project's clock, which separates the days, is ahead of UTC.
     pub utc_offset_min: i32,
     /// Submissions and checks by day and person.
@@ -270,7 +193,29 @@ pub struct Throughput {
     pub count: i64,
 }
 
-/// A task without a recent change.
+/// Submitted labels by what they wait for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct WaitingLabels {
+    /// A check.
+    pub check: i64,
+    /// The choice of a lead among the labels of an episode: nobody can check them.
+    pub choice: i64,
+    /// Other labels of their episode, which are not handed in, or not chosen among: nobody can check them.
+    pub other_labels: i64,
+}
+
+impl WaitingLabels {
+    /// Adds `n` labels that wait for `what`.
+    pub(crate) fn add(&mut self, what: &str, n: i64) {
+        match what {
+            "check" => self.check += n,
+            "choice" => self.choice += n,
+            _ => self.other_labels += n,
+        }
+    }
+}
+
+/// A task without a recent change that somebody can act on.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Ageing {
     /// Task.
@@ -279,7 +224,9 @@ pub struct Ageing {
     pub scenario_id: String,
     /// State.
     pub state: String,
-    /// Display name of the user who has it.
+    /// The labels of its episode are handed in, and a lead has to choose one: the others of them have no row.
+    pub to_choose: bool,
+    /// Display name of the user who has it; null where a lead has to choose.
     pub user: Option<String>,
     /// Hours since its last change.
     pub hours: f64,

@@ -277,7 +277,9 @@ impl<'a> Episodes<'a> {
 }
 
 fn is_known(app: &App, project: &str, episode: &str) -> Answer<bool> {
-    let sql = "SELECT 1 FROM tasks WHERE project_id = $1 AND episode_id = $2 LIMIT 1";
+    // Also one whose tasks were finished and have been removed since.
+    let sql = "SELECT 1 FROM tasks WHERE project_id = $1 AND episode_id = $2
+               UNION ALL SELECT 1 FROM finished_episodes WHERE project_id = $1 AND episode_id = $2 LIMIT 1";
     app.store.read(|tx| Ok(tx.row(sql, values![project, episode])?.is_some()))
 }
 

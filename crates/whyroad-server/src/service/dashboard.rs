@@ -6,14 +6,14 @@ use crate::domain::project::{
 };
 use crate::problem::Answer;
 use crate::service::copies::NOT_GOLD;
-use crate::service::disagreement::NOT_SUPERSEDED;
+use crate::service::disagreement::{NOT_SUPERSEDED, STANDS, TO_CHOOSE};
 use crate::service::projects::{self, DAY_MS, parse};
-use crate::service::{disagreement, drafts, safety, tasks, veil};
+use crate::service::{by_state, disagreement, drafts, safety, tasks, veil};
 use crate::store::Tx;
 use crate::values;
 use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
-use whyroad_label::agreement::{cohen, fleiss, median};
+use whyroad_label::agreement::{cohen_pooled, fleiss, median};
 use whyroad_model::Nanos;
 use whyroad_model::label_fields::pointer;
 
@@ -35,7 +35,8 @@ type Names = HashMap<String, String>;
 pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
     let names = tasks::names(tx)?;
     Ok(Dashboard {
-        by_state: by_state(tx, &project.id)?,
+        by_state: by_state::of(tx, &project.id)?,
+        submitted: by_state::submitted(tx, &project.id)?,
         utc_offset_min: project.settings.utc_offset_min,
         throughput: throughput(tx, project, &names, now)?,
         ageing: ageing(tx, &project.id, &names, now)?,
@@ -45,23 +46,6 @@ pub fn of(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<Dashboard> {
         audit: audit_outcomes(tx, project, &names)?,
         safety: safety::counts(tx, &project.id)?,
     })
-}
-
-/// Tasks by state. A label of which an adjudication chose another one is in none: nobody works on it any more.
-fn by_state(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
-    let mut count = |of: &str| -> Answer<Vec<(String, i64)>> {
-        let sql = format!("SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 {of} GROUP BY state");
-        tx.rows(&sql, values![project])?.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect()
-    };
-    let mut all: BTreeMap<String, i64> = count("")?.into_iter().collect();
-    // Read by the index of overlap groups; the others are counted without reading a task.
-    for (state, superseded) in count("AND overlap_count > 1 AND adjudication = 'superseded'")? {
-        if let Some(n) = all.get_mut(&state) {
-            *n -= superseded;
-        }
-    }
-    all.retain(|_, n| *n > 0);
-    Ok(all)
 }
 
 fn display(names: &Names, id: Option<String>) -> Option<String> {
@@ -84,20 +68,31 @@ fn throughput(tx: &mut dyn Tx, project: &Project, names: &Names, now: i64) -> An
     Ok(out)
 }
 
+/// Unfinished tasks by the time without a change: what somebody can act on. Labels that are handed in and that nobody
+/// can check yet are left out while other labels of their episode are missing, since those are listed themselves; an
+/// episode that waits for the choice of a lead is one row, which began to wait with its last label.
 fn ageing(tx: &mut dyn Tx, project: &str, names: &Names, now: i64) -> Answer<Vec<Ageing>> {
     let class = veil::shown_class_sql(&veil::of(tx, project)?);
     let sql = format!(
-        "SELECT id, {class} AS shown_class, state, coalesce(holder, assigned, author) AS person, updated FROM tasks
+        "SELECT id, {class} AS shown_class, state, coalesce(holder, assigned, author) AS person, updated,
+           CASE WHEN {TO_CHOOSE} THEN 1 ELSE 0 END AS to_choose FROM tasks
          WHERE project_id = $1 AND state NOT IN ('accepted', 'skipped', 'rejected') AND {NOT_SUPERSEDED}
+           AND (state <> 'submitted' OR {STANDS} OR ({TO_CHOOSE} AND NOT EXISTS (SELECT 1 FROM tasks o
+             WHERE o.project_id = tasks.project_id AND o.episode_id = tasks.episode_id AND o.complete = 1
+               AND o.adjudication IS NULL AND o.state NOT IN ('accepted', 'skipped', 'rejected')
+               AND (o.updated > tasks.updated OR (o.updated = tasks.updated AND o.id > tasks.id)))))
          ORDER BY updated, id LIMIT $2"
     );
     let rows = tx.rows(&sql, values![project, OLDEST])?;
     let one = |r: &crate::store::Row| {
+        let to_choose = r.flag("to_choose")?;
         Ok(Ageing {
             task: r.text("id")?,
             scenario_id: r.text("shown_class")?,
             state: r.text("state")?,
-            user: display(names, r.maybe_text("person")?),
+            to_choose,
+            // Its authors are done: a lead has it.
+            user: display(names, r.maybe_text("person")?).filter(|_| !to_choose),
             // A clock that was set back gives no negative age.
             hours: (now - r.int("updated")?).max(0) as f64 / 3_600_000.0,
         })
@@ -167,7 +162,8 @@ fn agreement(tx: &mut dyn Tx, project: &str, names: &Names) -> Answer<Agreement>
     let away: Vec<f64> =
         all.iter().filter_map(|(a, b)| Some(a.keyframe?.seconds_since(b.keyframe?).abs())).collect();
     let kappa = |pairs: &[(&Rated, &Rated)], of: fn(&Rated) -> &str| {
-        cohen(&pairs.iter().map(|(a, b)| (of(a), of(b))).collect::<Vec<_>>())
+        let rated = |r: &Rated| (r.author.clone(), of(r).to_owned());
+        cohen_pooled(&pairs.iter().map(|(a, b)| (rated(a), rated(b))).collect::<Vec<_>>())
     };
     let group_kappa = |of: fn(&Rated) -> &str| {
         fleiss(&groups.iter().map(|g| g.iter().map(of).collect::<Vec<_>>()).collect::<Vec<_>>())

@@ -7,6 +7,7 @@ use crate::domain::workflow::{Stage, State};
 use crate::service::tasks::{LabelView, TaskRow};
 use crate::service::visible;
 use serde_json::{Value, json};
+use whyroad_label::check::UNRECORDED;
 use whyroad_model::label_fields::{name, pointer};
 use whyroad_model::{Diagnostic, Nanos, Severity};
 
@@ -17,7 +18,9 @@ pub fn of(app: &App, task: &TaskRow, draft: &Value, view: LabelView) -> Vec<Find
             let probe = probe(draft, view);
             let mut found = in_stage1(app, task, &probe);
             found.retain(|f| {
-                f.pointer.starts_with(pointer::CRITICAL_COMPONENTS)
+                // That nothing was compared does not depend on hidden fields.
+                f.code == UNRECORDED
+                    || f.pointer.starts_with(pointer::CRITICAL_COMPONENTS)
                     || f.pointer.starts_with(pointer::KEYFRAME_TIMESTAMP)
             });
             found
@@ -162,6 +165,12 @@ fn finding(d: &Diagnostic) -> Finding {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recordings::Recordings;
+    use crate::service::fixtures::{self, Counted};
+    use crate::store::Store;
+    use std::sync::Arc;
+    use std::sync::atomic::Ordering;
+    use whyroad_framework::Framework;
 
     fn found(code: &str, severity: &str, pointer: &str) -> Finding {
         Finding {
@@ -198,6 +207,38 @@ mod tests {
         assert_eq!(hint("label.trace.empty", "error", "/coc_trace", false), kept);
         assert_eq!(hint("label.uncertainty.missing", "error", "/critical_components", true), kept);
         assert_ne!(hint("label.uncertainty.missing", "error", "/critical_components", false), kept);
+    }
+
+    /// docs/diagnostics/label.clip.unrecorded.md: a label without its drive was not compared, which is not the same as
+    /// a label without findings.
+    #[test]
+    fn a_label_that_could_not_be_compared_says_so_in_both_stages() {
+        let recordings = Arc::new(Counted { compares: true, ..Counted::default() });
+        let dir = tempfile::tempdir().unwrap();
+        let store = Store::open(&dir.path().join("s.db")).unwrap();
+        let app =
+            App::new(store, Framework::bundled(), Arc::clone(&recordings) as Arc<dyn Recordings>).unwrap();
+        let label: Value =
+            serde_json::from_str(include_str!("../../../../examples/cutin_urgent_example.json")).unwrap();
+        let keyframe = label["keyframe"]["timestamp"].as_str().unwrap();
+        let keyframe_ns = Nanos::parse_iso(keyframe).unwrap().0;
+        let task = TaskRow {
+            clip_id: label["clip_id"].as_str().unwrap().to_owned(),
+            keyframe_ns,
+            from_ns: keyframe_ns - 2_000_000_000,
+            to_ns: keyframe_ns + 6_000_000_000,
+            ..fixtures::task()
+        };
+        let missing = |stage| {
+            let view = LabelView { stage, hides_leaf: false, hides_drafted: false, in_hand: true };
+            let found = of(&app, &task, &label, view);
+            let of_code: Vec<_> = found.iter().filter(|f| f.code == UNRECORDED).collect();
+            assert!(of_code.iter().all(|f| f.severity == "warning"), "the label can still be saved");
+            of_code.len()
+        };
+        assert_eq!((missing(Stage::Stage1), missing(Stage::Stage2)), (1, 1));
+        recordings.recorded.store(true, Ordering::SeqCst);
+        assert_eq!((missing(Stage::Stage1), missing(Stage::Stage2)), (0, 0));
     }
 
     #[test]

@@ -16,8 +16,9 @@ use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use whyroad_framework::Framework;
+use whyroad_label::check::Recorded as CheckedDrive;
 use whyroad_model::messages::{
     CocLabel, CriticalComponent, EpisodeCursor, EpisodeFilter, EpisodePage, EpisodeRecord,
 };
@@ -28,7 +29,10 @@ use whyroad_model::{Bilingual, Drive, DriveId, Lang, Nanos, SignalTable};
 /// are read and derived.
 #[derive(Default)]
 pub struct Counted {
-    some: bool,
+    pub some: bool,
+    /// Labels are compared with recordings, which are there or not.
+    pub compares: bool,
+    pub recorded: AtomicBool,
     pub read: AtomicUsize,
     pub derived: AtomicUsize,
 }
@@ -79,6 +83,15 @@ impl Recordings for Counted {
             "critical_components": [], "coc_trace": "drafted",
         });
         serde_json::from_value(draft).unwrap()
+    }
+    fn compares(&self) -> bool {
+        self.compares
+    }
+    fn recorded(&self, _: &str) -> Option<Arc<CheckedDrive>> {
+        self.recorded.load(Ordering::SeqCst).then(Arc::default)
+    }
+    fn recorded_until(&self, clip: &str, _: Nanos) -> Option<Arc<CheckedDrive>> {
+        self.recorded(clip)
     }
     fn mined(&self) -> Vec<String> {
         vec![]

@@ -4,6 +4,7 @@ use crate::domain::people::User;
 use crate::domain::project::{Member, Project, Settings};
 use crate::domain::workflow::Role;
 use crate::problem::{Answer, Problem};
+use crate::service::appearance::appearance;
 use crate::service::people;
 use crate::store::{Row, Tx};
 use crate::values;
@@ -65,7 +66,7 @@ fn check(project: &Project) -> Answer<()> {
         currency,
         utc_offset_min,
     } = &project.settings;
-    let sound = !project.name.trim().is_empty()
+    let sound = !appearance(&project.name).is_empty()
         && project.name.chars().count() <= 100
         && project.guide.len() <= 200_000
         && (30..=3600).contains(lease_s)
@@ -102,9 +103,7 @@ pub fn day(settings: &Settings, now: i64) -> i64 {
 /// Stores a new project.
 pub fn create(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<()> {
     check(project)?;
-    if find(tx, &project.name)?.is_some() {
-        return Err(Problem::new(409, "project.exists", "项目名已存在", "a project of this name exists"));
-    }
+    check_name(tx, project)?;
     tx.run(
         "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ($1, $2, $3, $4, $5, $6)",
         values![
@@ -116,6 +115,26 @@ pub fn create(tx: &mut dyn Tx, project: &Project, now: i64) -> Answer<()> {
             now
         ],
     )?;
+    Ok(())
+}
+
+/// A name that no other project has, also not in another letter case or with other spaces: people and command lines
+/// tell projects apart by it.
+pub fn check_name(tx: &mut dyn Tx, project: &Project) -> Answer<()> {
+    // Until the transaction ends, no other one reads the names here.
+    tx.rows(&format!("SELECT id FROM projects ORDER BY created, id LIMIT 1{}", tx.lock()), &[])?;
+    let wanted = appearance(&project.name);
+    let rows = tx.rows("SELECT id, name FROM projects WHERE id <> $1", values![&project.id])?;
+    for row in rows {
+        if appearance(&row.text("name")?) == wanted || row.text("id")? == project.name {
+            return Err(Problem::new(
+                409,
+                "project.exists",
+                "已有同名或名称看起来相同的项目",
+                "a project of this name, or of one that looks the same, exists",
+            ));
+        }
+    }
     Ok(())
 }
 

@@ -2,11 +2,13 @@
 //! of it. Users who also check or audit see all tasks of their project, so these are hidden from them until they have
 //! submitted their own. Leads see everything.
 
-use crate::domain::project::Dashboard;
-use crate::domain::workflow::Role;
+use crate::domain::project::{Dashboard, WaitingLabels};
+use crate::domain::workflow::{Role, State};
 use crate::problem::Answer;
+use crate::service::by_state;
 use crate::service::copies::episode_of;
-use crate::store::Tx;
+use crate::service::disagreement::NOT_SUPERSEDED;
+use crate::store::{Row, Tx};
 use crate::values;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,8 +19,19 @@ pub struct Hidden {
     pub ids: BTreeSet<String>,
     /// Their number by state.
     by_state: BTreeMap<String, i64>,
+    /// What those in the state `submitted` wait for.
+    submitted: WaitingLabels,
     /// Number of their episodes with an accepted label, by class.
     accepted: BTreeMap<String, i64>,
+}
+
+/// What is read of a hidden task; `tasks` is the table.
+fn columns() -> String {
+    format!(
+        "tasks.id, tasks.episode_id, tasks.state, tasks.scenario_id, {} AS waits,
+         CASE WHEN {NOT_SUPERSEDED} THEN 1 ELSE 0 END AS counts",
+        by_state::waits_for()
+    )
 }
 
 impl Hidden {
@@ -40,39 +53,41 @@ impl Hidden {
             return Ok(out);
         }
         for episode in &episodes {
-            let labels = tx.rows(
-                "SELECT id, state, scenario_id FROM tasks WHERE project_id = $1 AND episode_id = $2",
-                values![project, episode],
-            )?;
+            let sql = format!("SELECT {} FROM tasks WHERE project_id = $1 AND episode_id = $2", columns());
+            let labels = tx.rows(&sql, values![project, episode])?;
             let mut class = None;
             for r in labels {
-                let state = r.text("state")?;
-                if state == "accepted" {
+                if r.text("state")? == "accepted" {
                     class = Some(r.text("scenario_id")?);
                 }
-                out.add(r.text("id")?, state);
+                out.add(&r)?;
             }
             if let Some(class) = class {
                 *out.accepted.entry(class).or_default() += 1;
             }
         }
-        let others = tx.rows(
-            "SELECT g.task_id, t.episode_id, t.state FROM gold g JOIN tasks t ON t.id = g.task_id
-             WHERE g.project_id = $1 AND g.user_id <> $2",
-            values![project, user],
-        )?;
-        for r in others {
+        let sql = format!(
+            "SELECT {} FROM gold g JOIN tasks ON tasks.id = g.task_id WHERE g.project_id = $1 AND g.user_id <> $2",
+            columns()
+        );
+        for r in tx.rows(&sql, values![project, user])? {
             if episodes.contains(episode_of(&r.text("episode_id")?)) {
-                out.add(r.text("task_id")?, r.text("state")?);
+                out.add(&r)?;
             }
         }
         Ok(out)
     }
 
-    fn add(&mut self, id: String, state: String) {
-        if self.ids.insert(id) {
+    fn add(&mut self, row: &Row) -> Answer<()> {
+        // A label of which another one was chosen is in no count by state.
+        if self.ids.insert(row.text("id")?) && row.flag("counts")? {
+            let state = row.text("state")?;
+            if state == State::Submitted.word() {
+                self.submitted.add(&row.text("waits")?, 1);
+            }
             *self.by_state.entry(state).or_default() += 1;
         }
+        Ok(())
     }
 
     /// Numbers of tasks by state without these; states without a task are left out, as in the count itself.
@@ -88,6 +103,10 @@ impl Hidden {
     /// The dashboard without these. The copy itself counts as an episode that has a task, in place of its source.
     pub fn from_dashboard(&self, mut board: Dashboard) -> Dashboard {
         self.without(&mut board.by_state);
+        let WaitingLabels { check, choice, other_labels } = self.submitted;
+        board.submitted.check -= check;
+        board.submitted.choice -= choice;
+        board.submitted.other_labels -= other_labels;
         board.ageing.retain(|a| !self.ids.contains(&a.task));
         for c in &mut board.coverage {
             c.have -= self.accepted.get(&c.leaf).copied().unwrap_or_default();

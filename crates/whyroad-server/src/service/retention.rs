@@ -1,6 +1,6 @@
 //! Removes data after the retention period of a project: finished tasks with their labels, histories, comments and
 //! thumbnails. The record of who has seen which part of a drive is kept, so that nobody does Stage I of a part that
-//! they have seen.
+//! they have seen; so are the ids of the episodes, so that they get no second task.
 
 use crate::app::App;
 use crate::problem::Answer;
@@ -17,6 +17,13 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Number of tasks removed in one transaction.
 const AT_ONCE: i64 = 200;
 
+/// SQL for finished tasks that were not changed since `$2`: nobody works on them any more. A label of which another one
+/// was chosen is finished with that one, because the choice is open again if that one is skipped or rejected.
+const FINISHED: &str = "updated < $2 AND (state IN ('accepted', 'skipped', 'rejected')
+    OR (adjudication = 'superseded' AND NOT EXISTS (SELECT 1 FROM tasks o
+      WHERE o.project_id = tasks.project_id AND o.episode_id = tasks.episode_id AND o.adjudication = 'chosen'
+        AND (o.updated >= $2 OR o.state NOT IN ('accepted', 'skipped', 'rejected')))))";
+
 /// Removes tasks after the retention period of their project; returns their number.
 pub fn sweep(app: &App) -> Answer<u64> {
     let now = app.now();
@@ -29,15 +36,20 @@ pub fn sweep(app: &App) -> Answer<u64> {
         loop {
             let (id, before) = (project.id.clone(), now - days * DAY_MS);
             let n = app.store.write(move |tx| {
-                let rows = tx.rows(
-                    "SELECT id, episode_id FROM tasks WHERE project_id = $1 AND updated < $2
-                       AND state IN ('accepted', 'skipped', 'rejected') ORDER BY updated, id LIMIT $3",
-                    values![&id, before, AT_ONCE],
-                )?;
+                let sql = format!(
+                    "SELECT id, episode_id, drive_id FROM tasks WHERE project_id = $1 AND {FINISHED}
+                     ORDER BY updated, id LIMIT $3"
+                );
+                let rows = tx.rows(&sql, values![&id, before, AT_ONCE])?;
                 let parts = deletion::parts_of_tasks(tx)?;
                 for row in &rows {
-                    let task = row.text("id")?;
-                    seen::outlast(tx, &task, &row.text("episode_id")?)?;
+                    let (task, episode) = (row.text("id")?, row.text("episode_id")?);
+                    seen::outlast(tx, &task, &episode)?;
+                    tx.run(
+                        "INSERT INTO finished_episodes (project_id, episode_id, drive_id) VALUES ($1, $2, $3)
+                         ON CONFLICT DO NOTHING",
+                        values![&id, &episode, row.text("drive_id")?],
+                    )?;
                     for table in &parts {
                         tx.run(&format!("DELETE FROM {table} WHERE task_id = $1"), values![&task])?;
                     }

@@ -14,7 +14,7 @@ use crate::domain::workflow::State;
 use crate::problem::{Answer, Problem};
 use crate::service::copies::NOT_GOLD;
 use crate::service::create::{self, LastDrive};
-use crate::service::disagreement::{STANDS, TO_CHOOSE};
+use crate::service::disagreement::{NOT_SUPERSEDED, STANDS, TO_CHOOSE};
 use crate::service::known::KnownEpisodes;
 use crate::service::projects;
 use crate::service::tasks::{self, TaskRow};
@@ -277,13 +277,8 @@ fn prepare(app: &App, project: &Project, incoming: Incoming, last: &mut LastDriv
     Ok(TaskRow { priority, overlap_index, overlap_count, ..row })
 }
 
-/// Counts by state, for `whyroad tasks list`.
-pub fn counts(tx: &mut dyn Tx, project: &str) -> Answer<BTreeMap<String, i64>> {
-    let sql = "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 GROUP BY state";
-    tx.rows(sql, values![project])?.iter().map(|r| Ok((r.text("state")?, r.int("n")?))).collect()
-}
-
-/// Tasks of a project, by class and clip; only of `state`, if one is given.
+/// Tasks of a project, by class and clip; only of `state`, if one is given. A label of which another one was chosen is
+/// in no state.
 pub fn tasks_of(tx: &mut dyn Tx, project: &str, state: Option<&str>) -> Answer<Vec<TaskRow>> {
     if let Some(word) = state.filter(|w| State::from_word(w).is_none()) {
         let words: Vec<&str> = State::ALL.iter().map(|s| s.word()).collect();
@@ -292,8 +287,11 @@ pub fn tasks_of(tx: &mut dyn Tx, project: &str, state: Option<&str>) -> Answer<V
             format!("'{word}' is not a task state: {}", words.join(", ")),
         ));
     }
-    let condition = "project_id = $1 AND ($2 = '' OR state = $3) ORDER BY scenario_id, clip_id, keyframe_ns, overlap_index";
-    tasks::select(tx, condition, values![project, state.unwrap_or_default(), state.unwrap_or_default()])
+    let condition = format!(
+        "project_id = $1 AND ($2 = '' OR (state = $3 AND {NOT_SUPERSEDED}))
+         ORDER BY scenario_id, clip_id, keyframe_ns, overlap_index"
+    );
+    tasks::select(tx, &condition, values![project, state.unwrap_or_default(), state.unwrap_or_default()])
 }
 
 #[cfg(test)]

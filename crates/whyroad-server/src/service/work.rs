@@ -5,27 +5,19 @@ use crate::domain::task::WorkKind;
 use crate::domain::workflow::Role;
 use crate::problem::Answer;
 use crate::service::recognized::Hidden;
-use crate::service::{disagreement, drafting, other_class, people, projects, queue};
+use crate::service::{by_state, disagreement, drafting, other_class, people, projects, queue};
 use crate::store::{Tx, Value as Cell};
 use crate::values;
+use std::collections::BTreeMap;
 
 /// The work of `user` in `project` at `now`, ms since 1970; for staff also tasks by state, and for leads the tasks to
 /// adjudicate.
 pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) -> Answer<Work> {
     let today = projects::day(&projects::get(tx, project)?.settings, now);
     let staff = roles.iter().any(|r| *r != Role::Annotator);
-    let mut by_state = std::collections::BTreeMap::new();
+    let mut by_state = BTreeMap::new();
     if staff {
-        let rows = tx.rows(
-            &format!(
-                "SELECT state, count(*) AS n FROM tasks WHERE project_id = $1 AND {} GROUP BY state",
-                disagreement::NOT_SUPERSEDED
-            ),
-            values![project],
-        )?;
-        for r in rows {
-            by_state.insert(r.text("state")?, r.int("n")?);
-        }
+        by_state = by_state::of(tx, project)?;
         Hidden::of(tx, project, user, roles)?.without(&mut by_state);
     }
     let mut count = |sql: &str, values: &[Cell]| tx.row(sql, values)?.map_or(Ok(0), |r| r.int("n"));

@@ -10,6 +10,8 @@ pub(super) enum Purpose {
     Work,
     /// Dashboards, exports, backups.
     Report,
+    /// Whether the store answers: a few rows, and an answer soon even if it is an error.
+    Probe,
 }
 
 /// Work in a transaction. The database may require that it is run again, so it changes nothing except the database and

@@ -27,6 +27,7 @@ pub(crate) const TABLES: &[&str] = &[
     "projects",
     "members",
     "tasks",
+    "finished_episodes",
     "history",
     "activity",
     "comments",

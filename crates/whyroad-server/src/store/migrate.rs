@@ -26,6 +26,7 @@ const SCRIPTS: &[&str] = &[
     include_str!("../../migrations/0018_imported.sql"),
     include_str!("../../migrations/0019_other_class.sql"),
     include_str!("../../migrations/0020_in_hand.sql"),
+    include_str!("../../migrations/0021_finished_episodes.sql"),
 ];
 
 /// The version of this program.

@@ -136,6 +136,11 @@ impl Store {
         self.read_for(Purpose::Report, job)
     }
 
+    /// The same for probes: a store that is away is reported soon, instead of being waited for.
+    pub fn probe<T>(&self, job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
+        self.read_for(Purpose::Probe, job)
+    }
+
     fn read_for<T>(&self, purpose: Purpose, mut job: impl FnMut(&mut dyn Tx) -> Answer<T>) -> Answer<T> {
         let mut out = None;
         self.backend.read(purpose, &mut |tx| {

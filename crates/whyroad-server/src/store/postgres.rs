@@ -19,6 +19,10 @@ const CONNECTIONS: usize = 16;
 const REPORTS: usize = 3;
 /// Maximum time that a request waits for a database that restarts.
 const RETRY_FOR: Duration = Duration::from_secs(15);
+/// The same for a probe: enough to replace a connection that was closed meanwhile.
+const PROBE_FOR: Duration = Duration::from_secs(1);
+/// Time after which a connection on which nothing comes back counts as broken: its peer or the network is gone.
+const SILENCE: Duration = Duration::from_secs(30);
 /// Maximum number of prepared statements per connection; beyond that the cache is cleared.
 const PREPARED: usize = 200;
 /// Key of the advisory lock that prevents two services from migrating at once.
@@ -77,6 +81,10 @@ impl Postgres {
     pub(super) fn open(url: &str, aside: &Path) -> Answer<(Self, Option<PathBuf>)> {
         let mut config: Config = url.parse().map_err(|e| problem(&e))?;
         config.connect_timeout(Duration::from_secs(5)).application_name("whyroad");
+        config.keepalives_idle(SILENCE);
+        if config.get_tcp_user_timeout().is_none() {
+            config.tcp_user_timeout(SILENCE);
+        }
         let store = Self {
             config,
             pool: Mutex::new(Pool { idle: vec![], out: 0 }),
@@ -98,10 +106,11 @@ impl Postgres {
         Ok((store, copy))
     }
 
-    fn connection(&self) -> Result<Connection, Failure> {
+    /// A connection; at most `most` are in use.
+    fn connection(&self, most: usize) -> Result<Connection, Failure> {
         let broken = || Failure::Final(Problem::store("the pool is broken"));
         let mut pool = self.pool.lock().map_err(|_| broken())?;
-        while pool.out >= CONNECTIONS {
+        while pool.out >= most {
             pool = self.free.wait(pool).map_err(|_| broken())?;
         }
         pool.out += 1;
@@ -127,10 +136,15 @@ impl Postgres {
         self.free.notify_one();
     }
 
-    fn transact(&self, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
+    fn transact(&self, purpose: Purpose, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
         let start = Instant::now();
+        // One connection is left for probes: that all others are busy does not mean that the server does not answer.
+        let (most, retry_for) = match purpose {
+            Purpose::Work | Purpose::Report => (CONNECTIONS, RETRY_FOR),
+            Purpose::Probe => (CONNECTIONS + 1, PROBE_FOR),
+        };
         loop {
-            let outcome = match self.connection() {
+            let outcome = match self.connection(most) {
                 Ok(mut connection) => {
                     let outcome = attempt(&mut connection, job);
                     self.give_back(Some(connection));
@@ -141,7 +155,7 @@ impl Postgres {
             match outcome {
                 Ok(()) => return Ok(()),
                 Err(Failure::Final(e)) => return Err(e),
-                Err(Failure::Again(e)) if start.elapsed() > RETRY_FOR => return Err(e),
+                Err(Failure::Again(e)) if start.elapsed() > retry_for => return Err(e),
                 Err(Failure::Again(_)) => std::thread::sleep(Duration::from_millis(50)),
             }
         }
@@ -218,15 +232,15 @@ fn passes(e: &postgres::Error) -> bool {
 
 impl Backend for Postgres {
     fn write(&self, mut job: Job) -> Answer<()> {
-        self.transact(&mut *job)
+        self.transact(Purpose::Work, &mut *job)
     }
 
     fn read(&self, purpose: Purpose, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
         let _turn = match purpose {
-            Purpose::Work => None,
+            Purpose::Work | Purpose::Probe => None,
             Purpose::Report => Some(self.reports.wait()?),
         };
-        self.transact(job)
+        self.transact(purpose, job)
     }
 }
 

@@ -85,7 +85,7 @@ impl Backend for Sqlite {
 
     fn read(&self, purpose: Purpose, job: &mut dyn FnMut(&mut dyn Tx) -> Answer<()>) -> Answer<()> {
         let readers = match purpose {
-            Purpose::Work => &self.readers,
+            Purpose::Work | Purpose::Probe => &self.readers,
             Purpose::Report => &self.reporters,
         };
         let mut connection = readers.take()?;

@@ -131,13 +131,13 @@ impl Vault {
                 written += 1;
             }
         }
-        let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
-        if let Some(stored) = row.map(|r| r.text("value")).transpose()?
-            && !stored.starts_with(&current)
-        {
-            let sealed = self.seal(CSRF, &self.open_text(CSRF, &stored)?)?;
-            tx.run("UPDATE settings SET value = $1 WHERE name = 'csrf_key'", values![sealed])?;
-            written += 1;
+        for (name, stored) in sealed_settings(tx)? {
+            if !stored.starts_with(&current) {
+                let place = setting(&name);
+                let sealed = self.seal(&place, &self.open_text(&place, &stored)?)?;
+                tx.run("UPDATE settings SET value = $1 WHERE name = $2", values![sealed, &name])?;
+                written += 1;
+            }
         }
         Ok(written)
     }
@@ -147,8 +147,10 @@ impl Vault {
         for row in tx.rows("SELECT id, secret FROM webhooks", &[])? {
             self.open_text(&webhook(&row.text("id")?), &row.text("secret")?)?;
         }
-        let row = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
-        row.map_or(Ok(()), |r| self.open_text(CSRF, &r.text("value")?).map(drop))
+        for (name, stored) in sealed_settings(tx)? {
+            self.open_text(&setting(&name), &stored)?;
+        }
+        Ok(())
     }
 
     /// Adds a new key in front of the file, runs `reseal`, and removes the older keys. After a failure in between all
@@ -175,6 +177,19 @@ impl Vault {
 
 /// The location of the CSRF key.
 pub const CSRF: &str = "setting:csrf_key";
+/// The location of the token that creates the first account.
+pub const SETUP_TOKEN: &str = "setting:setup_token";
+
+/// The location of a setting.
+fn setting(name: &str) -> String {
+    format!("setting:{name}")
+}
+
+/// Names and values of the settings that are sealed.
+fn sealed_settings(tx: &mut dyn Tx) -> Answer<Vec<(String, String)>> {
+    let sql = "SELECT name, value FROM settings WHERE name IN ('csrf_key', 'setup_token') ORDER BY name";
+    tx.rows(sql, &[])?.iter().map(|r| Ok((r.text("name")?, r.text("value")?))).collect()
+}
 
 /// The location of a webhook's signing key.
 pub fn webhook(id: &str) -> String {
@@ -199,10 +214,9 @@ pub(super) fn check_there(path: &Path, tx: &mut dyn Tx) -> Answer<()> {
             return Err(wrong_key(path));
         }
     }
-    let csrf = tx.row("SELECT value FROM settings WHERE name = 'csrf_key'", &[])?;
-    match csrf.map(|row| row.text("value")).transpose()? {
-        Some(text) if sealed(&text) => Err(wrong_key(path)),
-        _ => Ok(()),
+    match sealed_settings(tx)?.iter().any(|(_, text)| sealed(text)) {
+        true => Err(wrong_key(path)),
+        false => Ok(()),
     }
 }
 

@@ -173,6 +173,8 @@ suite! {
     page::tasks_are_there_at_once_and_their_drafts_follow,
     page::a_place_is_given_as_precisely_as_the_project_says,
     page::finished_tasks_go_when_their_project_keeps_them_no_longer,
+    page::overruled_labels_go_with_the_chosen_one,
+    page::a_change_of_one_setting_leaves_the_others,
     migration::classes_are_carried_along_and_what_is_undecided_goes_to_people,
     migration::facts_are_those_of_the_history,
     migration::the_analytics_page_is_for_leads,

@@ -1,6 +1,7 @@
 //! Data of the page besides the label itself: lists with totals and orders, changes of many tasks, pending work,
 //! thumbnails, questions to the lead, values before a change, merged labels, drafts created in the background.
 
+use crate::recorded::episode;
 use crate::work::{Begin, Work};
 use crate::world::{Person, World};
 use serde_json::{Value, json};
@@ -402,4 +403,47 @@ pub fn finished_tasks_go_when_their_project_keeps_them_no_longer(world: &World) 
     let seen =
         world.app.store.read(|tx| tx.rows("SELECT 1 FROM seen WHERE drive_id = 'drive1'", &[])).unwrap();
     assert!(!seen.is_empty(), "who has seen it does no Stage I of it");
+    // docs/how-to/manage-tasks.md: never a second task for an episode.
+    let body = json!({ "episodes": [serde_json::to_value(episode("drive1", 1, world.future)).unwrap()] });
+    let again = admin.post(&format!("/projects/{project}/tasks:create"), &body).fine();
+    assert_eq!((&again["tasks"], &again["known"]), (&json!([]), &json!(1)));
+}
+
+/// docs/reference/service.md, *retention_days*: overruled labels go with the chosen one, not before it, and not never.
+pub fn overruled_labels_go_with_the_chosen_one(world: &World) {
+    let admin = world.admin();
+    let settings = json!({ "retention_days": 30, "audit_min_percent": 0, "audit_max_percent": 0 });
+    let project = world.project(&admin, "town", &settings);
+    let people = ["ann", "bob", "dee"].map(|name| world.person(&admin, &project, name, &["annotator"]));
+    world.person(&admin, &project, "chen", &["checker"]);
+    let made = world.tasks(&admin, &project, &["drive1"], 3);
+    people.iter().zip(&made).for_each(|(person, task)| drop(Work::label(person, task)));
+    let choose = json!({ "action": "adjudicate" });
+    admin.post(&format!("/tasks/{}/actions", made[1]), &choose).fine();
+    world.wait(10 * 86_400);
+    let chen = world.sign_in("chen");
+    Work::take(&chen, &made[1]).act("accept", &json!({})).fine();
+    world.wait(21 * 86_400);
+    assert_eq!(sweep(&world.app).unwrap(), 0, "the choice is 31 days old, the acceptance 21");
+    world.wait(10 * 86_400);
+    assert_eq!(sweep(&world.app).unwrap(), 3);
+    let admin = world.sign_in("admin");
+    for task in &made {
+        assert_eq!(admin.get(&format!("/tasks/{task}")).status, 404);
+    }
+}
+
+/// openapi.json, `PATCH /projects/{p}`: "changes the fields that are given".
+pub fn a_change_of_one_setting_leaves_the_others(world: &World) {
+    let admin = world.admin();
+    let settings = json!({ "place_precision_m": 1000, "retention_days": 180, "history": "episode", "lang": "en",
+        "utc_offset_min": 480, "hourly_rate": 30.0 });
+    let project = world.project(&admin, "town", &settings);
+    let path = format!("/projects/{project}");
+    let mut before = admin.get(&path).fine()["settings"].clone();
+    let after = admin.patch(&path, &json!({ "settings": { "lease_s": 600, "hourly_rate": null } })).fine();
+    (before["lease_s"], before["hourly_rate"]) = (json!(600), json!(null));
+    assert_eq!((&after["settings"], &admin.get(&path).fine()["settings"]), (&before, &before));
+    let unknown = admin.patch(&path, &json!({ "settings": { "lease": 600 } }));
+    assert_eq!(unknown.refusal(), (400, "request.invalid".into()));
 }

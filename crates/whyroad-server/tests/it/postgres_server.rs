@@ -69,8 +69,36 @@ impl Server {
         self.wait();
     }
 
+    /// Suspends the server and its processes: connections stay open, and nothing is answered, as on a machine that
+    /// hangs.
+    pub fn hang(&self) {
+        self.signal("STOP");
+    }
+
+    /// Ends [`Self::hang`].
+    pub fn resume(&self) {
+        self.signal("CONT");
+    }
+
+    fn signal(&self, name: &str) {
+        let parent = self.child.id();
+        let of = |stat: String| -> Option<u32> {
+            stat.rsplit(')').next()?.split_whitespace().nth(1)?.parse().ok()
+        };
+        let is_child = |pid: &u32| {
+            std::fs::read_to_string(format!("/proc/{pid}/stat")).ok().and_then(of) == Some(parent)
+        };
+        let all = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        let all = all.filter_map(|e| e.file_name().to_str()?.parse().ok());
+        // The parent first, so that it starts no others.
+        for pid in std::iter::once(parent).chain(all.filter(is_child)) {
+            let _ = Command::new("kill").args([format!("-{name}"), pid.to_string()]).status();
+        }
+    }
+
     /// `pg_ctl stop -m immediate` stops the postmaster and all its children.
     fn stop(&mut self) {
+        self.resume();
         let mut stop = command(&self.programs.join("pg_ctl"), self.user);
         let _ = stop.args(["stop", "-m", "immediate", "-D"]).arg(self.dir.path().join("data")).output();
         let _ = self.child.wait();

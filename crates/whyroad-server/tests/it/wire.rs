@@ -53,6 +53,20 @@ pub fn what_is_wrong_is_said_as_problem_json(world: &World) {
         admin.post("/projects", &json!({ "name": "twice" })).refusal(),
         (409, "project.exists".into())
     );
+    // As for display names: what people cannot tell apart is one name.
+    for alike in ["Twice", " twice ", "twi\u{200b}ce", "\u{ff54}wice"] {
+        let refused = admin.post("/projects", &json!({ "name": alike }));
+        assert_eq!(refused.refusal(), (409, "project.exists".into()), "{alike}");
+    }
+    let other = world.project(&admin, " other  one ", &json!({}));
+    let path = format!("/projects/{other}");
+    assert_eq!(admin.get(&path).fine()["name"], "other  one");
+    assert_eq!(admin.patch(&path, &json!({ "name": "TWICE" })).refusal(), (409, "project.exists".into()));
+    assert_eq!(
+        admin.patch(&path, &json!({ "name": "Other one" })).fine()["name"],
+        "Other one",
+        "its own name"
+    );
     assert_eq!(admin.get("/projects/%FF").refusal().0, 404, "not UTF-8");
 }
 

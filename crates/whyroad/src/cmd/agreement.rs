@@ -61,6 +61,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let of = agreement(&judged.items, args.seed);
     let report = json!({
         "agreement": of, "unmatched_labels": judged.unmatched, "tasks_not_submitted": judged.waiting,
+        "tasks_left_out": judged.left_out,
         "unreadable_lines": judged.unreadable,
     });
     args.print.put(&report, || text(&of, &judged, lang))?;
@@ -142,6 +143,12 @@ fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
         (n, true) => format!("；{n} 个任务尚未提交"),
         (n, false) => format!("; {n} tasks not submitted yet"),
     };
+    let left_out = match (judged.left_out, zh) {
+        (0, _) => String::new(),
+        (n, true) => format!("；{n} 个任务已跳过或剔除"),
+        (n, false) => format!("; {n} tasks skipped or rejected"),
+    };
+    let waiting = waiting + &left_out;
     let _ = if zh {
         writeln!(
             out,
@@ -176,12 +183,12 @@ fn text(of: &Agreement, judged: &Judged, lang: Lang) -> String {
     let _ = if zh {
         writeln!(
             out,
-            "\n关键帧：中位差 {median} s；相差不超过 0.5 s 的比例 {near}；α（区间尺度）{alpha}\n要素：F1 {f1}（{first} 与 {second} 个，共同 {common} 个）"
+            "\n关键帧：中位差 {median} s；相差不超过 0.5 s 的比例 {near}；α（区间尺度）{alpha}\n要素：F1 {f1}（所有标注两两相比：{first} 与 {second} 个，共同 {common} 个）"
         )
     } else {
         writeln!(
             out,
-            "\nkeyframe: median difference {median} s; within 0.5 s {near}; alpha (interval scale) {alpha}\ncomponents: F1 {f1} ({first} and {second}, {common} in common)"
+            "\nkeyframe: median difference {median} s; within 0.5 s {near}; alpha (interval scale) {alpha}\ncomponents: F1 {f1} (over all pairs of labels: {first} and {second}, {common} in common)"
         )
     };
     let parts = of.parts.iter().flat_map(|p| [&p.same, &p.kappa, &p.alpha]);

@@ -4,13 +4,14 @@ mod sides;
 
 use crate::output::reason::{cannot_make, cannot_read, cannot_write, no_class, stop};
 use crate::output::{self, Print};
+use crate::store_args::KeyArgs;
 use crate::{Global, analytics, framework_folder};
 use anyhow::Context as _;
 use sides::{Kind, Side, name_targets};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use whyroad_label::facts::LabelStage;
+use whyroad_label::facts::TaskFacts;
 use whyroad_model::messages::{CocLabel, Provenance, ProvenanceSource};
 use whyroad_model::{DriveId, Lang, ScenarioId};
 use whyroad_report::comparison::{AcceptedMoment, PageHead, SharedClasses, compare, render, render_page};
@@ -32,6 +33,8 @@ pub(crate) struct Args {
     /// store (labels.db, the folder with it, postgres://...)
     #[arg(long, value_name = "FILE|STORE")]
     labels: Option<String>,
+    #[command(flatten)]
+    key: KeyArgs,
     /// Only this class: an L1, L2 or leaf
     #[arg(long, value_name = "ID")]
     scenario: Option<String>,
@@ -71,7 +74,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         (before.classes, after.classes) = (None, None);
     }
     let drives: BTreeSet<&DriveId> = before.drives.iter().chain(&after.drives).collect();
-    let accepted = args.labels.as_deref().map(|s| accepted(s, &drives, global)).transpose()?;
+    let accepted = args.labels.as_deref().map(|s| accepted((s, &args.key), &drives, global)).transpose()?;
     let comparison = compare(before.searched(), after.searched(), accepted.as_deref());
     if let Some(out) = &args.out {
         let names = (args.before.display().to_string(), args.after.display().to_string());
@@ -98,7 +101,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 
 /// Accepted labels, of the drives that are compared.
 fn accepted(
-    source: &str,
+    (source, key): (&str, &KeyArgs),
     drives: &BTreeSet<&DriveId>,
     global: &Global,
 ) -> anyhow::Result<Vec<AcceptedMoment>> {
@@ -107,8 +110,8 @@ fn accepted(
         || path.is_dir()
         || path.extension().is_some_and(|e| e == "db" || e == "sqlite");
     if is_store {
-        let tasks = analytics::labelling(source, None, global.lang)?.tasks;
-        let moments = tasks.into_iter().filter(|t| t.stage == LabelStage::Accepted && !t.superseded);
+        let tasks = analytics::labelling((source, key), None, global.lang)?.tasks;
+        let moments = tasks.into_iter().filter(TaskFacts::is_accepted);
         return Ok(moments
             .filter(|t| drives.contains(&t.drive))
             .filter_map(|t| {

@@ -4,6 +4,7 @@
 use crate::cmd::dataset::query::Queries;
 use crate::output::reason::{Reason, cannot_make, cannot_write, folders_only, reason, stop};
 use crate::output::{Print, render_text};
+use crate::store_args::KeyArgs;
 use crate::{Global, analytics, framework_folder, output};
 use anyhow::Context as _;
 use serde_json::json;
@@ -51,6 +52,8 @@ pub(crate) struct Numbers {
     /// Store of the labeling service: labels.db, the folder with it, or postgres://...
     #[arg(long, value_name = "STORE")]
     labels: Option<String>,
+    #[command(flatten)]
+    key: KeyArgs,
     /// Only this project of the store [default: all projects together]
     #[arg(long, value_name = "NAME", requires = "labels")]
     project: Option<String>,
@@ -171,7 +174,11 @@ pub(crate) fn analyze(
         Err(d) => return Ok(Err(d)),
     };
     let project = numbers.project.as_deref();
-    let labelling = numbers.labels.as_deref().map(|s| analytics::labelling(s, project, lang)).transpose()?;
+    let labelling = numbers
+        .labels
+        .as_deref()
+        .map(|s| analytics::labelling((s, &numbers.key), project, lang))
+        .transpose()?;
     let releases =
         (!numbers.release.is_empty()).then(|| analytics::releases(&numbers.release)).transpose()?;
     let wanted = match numbers.target {

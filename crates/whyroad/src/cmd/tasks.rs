@@ -17,10 +17,10 @@ use std::sync::Arc;
 use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Lang};
 use whyroad_server::App;
-use whyroad_server::domain::task::{CreateTasks, Imported};
+use whyroad_server::domain::task::{CreateTasks, Imported, TaskSummary};
 use whyroad_server::service::create::Drafting;
 use whyroad_server::service::transfer::{self, ExportFormat};
-use whyroad_server::service::{create, projects, sample_window, tasks};
+use whyroad_server::service::{by_state, create, projects, sample_window, tasks};
 use whyroad_server::store::Store;
 
 /// Arguments of `whyroad tasks`.
@@ -240,7 +240,7 @@ fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
     let Some(name) = &a.project else {
         let mut all = Vec::new();
         for project in store.read(projects::all).map_err(problem)? {
-            let counts = store.read(|tx| transfer::counts(tx, &project.id)).map_err(problem)?;
+            let counts = store.read(|tx| by_state::of(tx, &project.id)).map_err(problem)?;
             all.push((project.name, counts));
         }
         let rows: Vec<Value> =
@@ -254,18 +254,35 @@ fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
     let (rows, names) = store
         .read(|tx| Ok((transfer::tasks_of(tx, &project, a.state.as_deref())?, tasks::names(tx)?)))
         .map_err(problem)?;
-    let summaries: Vec<_> = rows.iter().map(|t| tasks::summary(t, &names)).collect();
+    // Whoever reads the store sees what leads see.
+    let summary = |t: &tasks::TaskRow| TaskSummary {
+        disagrees: t.disagrees,
+        to_choose: t.to_choose,
+        ..tasks::summary(t, &names)
+    };
+    let summaries: Vec<_> = rows.iter().map(summary).collect();
     a.print.put(&summaries, || {
         let mut out = String::new();
         for s in &summaries {
             let who = s.assigned_to.as_ref().or(s.author.as_ref()).map_or("-", String::as_str);
-            let (state, class, clip) = (state_name(s.state.word(), global.lang), &s.scenario_id, &s.clip_id);
+            let (state, class, clip) = (listed_as(s, global.lang), &s.scenario_id, &s.clip_id);
             let state = format!("{state}{}", " ".repeat(13_usize.saturating_sub(width(state))));
             let _ = writeln!(out, "{}  {state}  {class:<44}  {clip:<28}  {who}", s.id);
         }
         out
     })?;
     Ok(output::FINE)
+}
+
+/// The state of a task in a list; of a label of an overlap group, what became of it in the choice of a lead.
+fn listed_as(s: &TaskSummary, lang: Lang) -> &str {
+    match (s.adjudication.as_deref(), s.to_choose, lang) {
+        (Some("superseded"), _, Lang::Zh) => "未采用",
+        (Some("superseded"), _, Lang::En) => "not chosen",
+        (_, true, Lang::Zh) => "待采用",
+        (_, true, Lang::En) => "to choose",
+        _ => state_name(s.state.word(), lang),
+    }
 }
 
 /// A state of a task for people, as the labeling page names it in Chinese.

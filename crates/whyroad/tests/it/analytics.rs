@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::duckdb;
+use crate::postgres::Server;
 use crate::session::{Run, root, whyroad_in};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -295,6 +296,26 @@ fn a_changed_rule_is_compared_and_judged_by_accepted_labels() {
     let same = fine(dir, &["compare", "mined", "mined"]).out;
     assert!(same.contains(", gained 0, lost 0, reclassified 0"), "{same}");
     assert_eq!(whyroad_in(dir, &["compare", "bundled", "bundled"]).code, 1, "--lake is missing");
+}
+
+/// docs/how-to/analytics.md: `--labels` names a PostgreSQL store, `--key-file` the key that its secrets are sealed
+/// with.
+#[test]
+fn a_report_reads_a_postgresql_store_with_the_key_file_that_is_named() {
+    let Some(server) = Server::start() else { return };
+    let (dir, out, url) = (project(), tempfile::tempdir().unwrap(), server.database());
+    let path = |name: &str| out.path().join(name).display().to_string();
+    let (key, page) = (path("key"), path("report.html"));
+    let create = ["tasks", "create", "--from", "mined", "--lake", "lake", "--project", "p", "--limit", "2"];
+    fine(dir, &[&create[..], &["--store", &url, "--data", &path("data"), "--key-file", &key]].concat());
+    let report =
+        ["report", "--lake", "lake", "--mined", "mined", "--out", &page, "--summary", "--labels", &url];
+    let found = fine(dir, &[&report[..], &["--key-file", &key]].concat()).out;
+    assert!(found.contains("unfinished tasks 2; remaining 2; "), "{found}");
+    let without = whyroad_in(dir, &report);
+    assert!(without.code == 1 && without.err.contains("--key-file"), "{}", without.err);
+    let compare = ["compare", "mined", "mined", "--labels", &url, "--key-file", &key];
+    fine(dir, &compare);
 }
 
 fn copy(from: &Path, to: &Path) {

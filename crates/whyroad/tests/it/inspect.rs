@@ -178,7 +178,8 @@ fn a_turn_without_a_map_is_found_and_nothing_else_counts_as_searched() {
     assert!(lacking.contains(&"ego.in_junction".into()), "{right}");
 
     let text = out(&whyroad(&["inspect", "--lake", lake]));
-    let line = "known only where other data proves it (needs map): ego.in_junction, ego.movement, ego.turn_angle,";
+    let line =
+        "known only where other data proves it (needs map): ego.in_junction, ego.movement, ego.turn_angle,";
     assert!(text.contains(line), "{text}");
     let missing = out(&whyroad(&["mine", "--lake", lake, "--out", mined, "--missing", "--format", "json"]));
     assert!(missing.contains("proactive.turn.right_normal"), "{missing}");

@@ -114,7 +114,7 @@ fn nothing_of_the_drive_remains_and_who_else_holds_it_is_named() {
     // A mistyped id beside it is named, and does not stop the deletion of the other.
     let (typo, found) = delete(dir.path(), &[&id, "multilane-egoo", "--dry-run"]);
     assert_eq!((typo.code, &found["not_found"]), (1, &serde_json::json!(["multilane-egoo"])));
-    assert_eq!(found["lake_drives"], 1);
+    assert_eq!((&found["drives"], &found["lake_drives"]), (&serde_json::json!(1), &serde_json::json!(1)));
 
     let (run, done) = delete(dir.path(), &[&id, "--request", "DSR-17"]);
     assert_eq!(run.code, 1, "{}", run.err);

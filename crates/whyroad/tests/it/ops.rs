@@ -3,6 +3,7 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::postgres::Server;
 use crate::service::demo;
 use crate::service::http::Client;
 use crate::session::{root, whyroad_with};
@@ -25,9 +26,15 @@ struct Service {
 
 impl Service {
     fn start(lake: &Path, data: &Path) -> Self {
+        Self::start_with(lake, data, None)
+    }
+
+    /// On another store than a file in `data`.
+    fn start_with(lake: &Path, data: &Path, store: Option<&str>) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_whyroad"))
             .args(["serve", "--listen", "127.0.0.1:0", "--ops-listen", "127.0.0.1:0", "--log-format", "json"])
             .args(["--lake", lake.to_str().unwrap(), "--data", data.to_str().unwrap()])
+            .args(store.iter().flat_map(|store| ["--store", *store]))
             .env_remove("WHYROAD_LANG")
             .stderr(Stdio::piped())
             .spawn()
@@ -151,6 +158,66 @@ fn figures_and_logs_of_a_service_name_nobody_and_its_port_has_no_api() {
     );
     let all = format!("{text}{}", serde_json::to_string(&log).unwrap());
     assert!(!all.contains("very-secret"), "{all}");
+}
+
+/// docs/how-to/monitor.md: an answer within seconds whatever the database does, since Prometheus gives up after 10 s
+/// and probes after 5 s. A database that hangs keeps its connections open and answers nothing.
+#[test]
+fn probes_answer_while_the_database_hangs_and_while_it_is_away() {
+    let Some(mut server) = Server::start() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let lake = dir.path().join("lake");
+    fs::create_dir_all(lake.join("drives")).unwrap();
+    fs::copy(demo().join("lake/whyroad-lake.json"), lake.join("whyroad-lake.json")).unwrap();
+    let service = Service::start_with(&lake, &dir.path().join("data"), Some(&server.database()));
+    let ready = (200, "ok\n".to_owned());
+    assert_eq!(service.ops("GET /readyz"), ready);
+    let within = |start: Instant| assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    let health = || {
+        let mut stream = TcpStream::connect(service.at).unwrap();
+        write!(stream, "GET /api/v1/healthz HTTP/1.1\r\nhost: t\r\nconnection: close\r\n\r\n").unwrap();
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        text.split(' ').nth(1).unwrap().parse::<u16>().unwrap()
+    };
+    let all_fail = |reason: &str| {
+        let start = Instant::now();
+        let (status, why) = service.ops("GET /readyz");
+        assert_eq!((status, why.starts_with(reason)), (503, true), "{why}");
+        within(start);
+        let start = Instant::now();
+        let (status, text) = service.ops("GET /metrics");
+        assert!(status == 200 && text.contains("whyroad_ready 0\n"), "{text}");
+        within(start);
+        let start = Instant::now();
+        assert_eq!(health(), 503);
+        within(start);
+    };
+    let recovers = || {
+        let start = Instant::now();
+        while service.ops("GET /readyz") != ready {
+            assert!(start.elapsed() < Duration::from_secs(30), "{:?}", service.ops("GET /readyz"));
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        assert_eq!(health(), 200);
+    };
+    server.hang();
+    // Twice: a probe that hangs does not keep the next one from answering.
+    all_fail("store: no answer");
+    all_fail("store: no answer");
+    server.resume();
+    recovers();
+    std::thread::scope(|scope| {
+        let restarts = scope.spawn(|| server.restart(Duration::from_secs(8)));
+        let start = Instant::now();
+        while service.ops("GET /readyz").0 == 200 {
+            assert!(start.elapsed() < Duration::from_secs(30));
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        all_fail("store: ");
+        restarts.join().unwrap();
+    });
+    recovers();
 }
 
 #[test]

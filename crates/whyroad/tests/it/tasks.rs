@@ -6,6 +6,7 @@ use crate::service::{Service, crew, demo, mined_folder};
 use crate::session::{Run, whyroad_in};
 use serde_json::{Value, json};
 use std::path::Path;
+use whyroad_server::store::Store;
 
 fn run(folder: &Path, line: &str) -> Run {
     let demo = demo().display().to_string();
@@ -105,6 +106,45 @@ fn tasks_are_made_listed_exported_and_brought_in_again() {
     let last = format!("labels.jsonl:{}: not JSON", lines(&drafts).len() + 1);
     assert!(labels.err.contains(&last), "{}", labels.err);
     assert!(labels.out.ends_with("1 lines not readable\n"), "{}", labels.out);
+}
+
+/// docs/reference/service.md: labels of which another one was chosen are in no count by state, and no filter by state
+/// lists them.
+#[test]
+fn overruled_labels_are_listed_as_such_and_counted_nowhere() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path();
+    good(at, "tasks create --from DEMO/mined --project q --limit 6 --overlap 2");
+    let store = Store::open(&at.join("whyroad-data/labels.db")).unwrap();
+    store
+        .write(|tx| {
+            tx.run(
+                "UPDATE tasks SET state = 'submitted',
+                   adjudication = CASE WHEN overlap_index = 0 THEN 'chosen' ELSE 'superseded' END
+                 WHERE episode_id = (SELECT min(episode_id) FROM tasks)",
+                &[],
+            )?;
+            tx.run(
+                "UPDATE tasks SET state = 'submitted', complete = 1
+                 WHERE episode_id = (SELECT max(episode_id) FROM tasks)",
+                &[],
+            )
+        })
+        .unwrap();
+    drop(store);
+    assert_eq!(good(at, "tasks list"), "q  open 2, submitted 3\n");
+    let states = |line: &str| -> Vec<String> {
+        let all = good(at, line);
+        let state = |l: &str| l.split("  ").map(str::trim).nth(1).unwrap_or_default().to_owned();
+        let mut states: Vec<String> = all.lines().map(state).collect();
+        states.sort();
+        states
+    };
+    assert_eq!(states("tasks list --project q --state submitted"), ["submitted", "to choose", "to choose"]);
+    assert_eq!(
+        states("tasks list --project q"),
+        ["not chosen", "open", "open", "submitted", "to choose", "to choose"]
+    );
 }
 
 #[test]

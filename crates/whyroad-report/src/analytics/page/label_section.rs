@@ -91,9 +91,10 @@ fn finish(m: &mut Markup, p: &Progress) {
     m.say("剩余 ", "Remaining: ").raw("<b>").int(f.remaining).raw("</b> ");
     match f.basis {
         FinishBasis::Wanted => m.say("个标注（按目标）。", "labels (against the target). "),
-        FinishBasis::Unfinished => {
-            m.say("个未完成任务（未设目标）。", "unfinished tasks (no target is set). ")
-        }
+        FinishBasis::Unfinished => m.say(
+            "个有任务而尚无已接受标注的事件（未设目标）。",
+            "episodes with a task and without an accepted label (no target is set). ",
+        ),
     };
     m.say("预计完成：", "Forecast of the finish: ");
     match (&f.date, &f.interval, f.reason) {
@@ -147,12 +148,7 @@ pub(super) fn agreement(m: &mut Markup, a: &Analytics) {
     );
     m.raw("<tbody>");
     for row in &a.agreement {
-        let (zh, en) = match row.measure {
-            Measure::Class => ("场景", "class"),
-            Measure::Longitudinal => ("纵向决策", "longitudinal decision"),
-            Measure::Lateral => ("横向决策", "lateral decision"),
-            Measure::Keyframe => ("关键帧（0.5 s 内为相同）", "keyframe (same: within 0.5 s)"),
-        };
+        let (zh, en) = row.measure.name();
         m.raw("<tr><th scope=\"row\">").say(zh, en).raw("</th><td class=\"n\">").int(row.episodes);
         m.raw("</td><td class=\"n\">").int(row.pairs).raw("</td><td class=\"n\">");
         number(m, row.same.map(|s| s * 100.0), 0);

@@ -38,7 +38,7 @@ pub fn create(call: &Call<'_>) -> Answer<Reply> {
     classes::check_quota(&call.app.framework.taxonomy, &wanted.quota, &BTreeMap::new())?;
     let project = Project {
         id: secret::id()?,
-        name: wanted.name,
+        name: wanted.name.trim().to_owned(),
         guide: wanted.guide,
         quota: wanted.quota,
         settings: wanted.settings,
@@ -69,23 +69,19 @@ pub fn change(call: &Call<'_>) -> Answer<Reply> {
     let taxonomy = &framework.taxonomy;
     let project = call.app.store.write(move |tx| {
         let mut project = projects::get(tx, &id)?;
-        if let Some(name) = &change.name {
-            if projects::find(tx, name)?.is_some_and(|other| other.id != id) {
-                return Err(Problem::new(
-                    409,
-                    "project.exists",
-                    "项目名已存在",
-                    "a project of this name exists",
-                ));
-            }
-            project.name.clone_from(name);
+        // Names from before stay, also one that looks like another.
+        if let Some(name) = change.name.as_deref().map(str::trim).filter(|name| *name != project.name) {
+            name.clone_into(&mut project.name);
+            projects::check_name(tx, &project)?;
         }
         project.guide = change.guide.clone().unwrap_or(project.guide);
         if let Some(quota) = &change.quota {
             classes::check_quota(taxonomy, quota, &project.quota)?;
         }
         project.quota = change.quota.clone().unwrap_or(project.quota);
-        project.settings = change.settings.clone().unwrap_or(project.settings);
+        if let Some(change) = &change.settings {
+            project.settings = project.settings.with(change).map_err(Problem::store)?;
+        }
         projects::update(tx, &project)?;
         veil::set(tx, framework, &id, &project.settings)?;
         Ok(Project { roles: roles.clone(), ..project })

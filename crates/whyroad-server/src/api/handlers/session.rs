@@ -9,7 +9,7 @@ use crate::domain::oidc::SignedOut;
 use crate::domain::people::{Session, Setup, SignIn, User};
 use crate::oidc::flow;
 use crate::problem::{Answer, Problem};
-use crate::service::people;
+use crate::service::{figures, first_account, people};
 use crate::{secret, values};
 use serde_json::json;
 use std::sync::OnceLock;
@@ -36,7 +36,8 @@ fn answer(call: &Call<'_>, user: Option<User>, fresh: Option<String>) -> Answer<
         }
     };
     let provider = call.app.oidc.as_ref().map(|p| p.settings.name.clone());
-    let session = Session { user, csrf: csrf_of(call.app, &value), first_run, provider };
+    let setup_token = first_run && call.app.setup_token.is_some();
+    let session = Session { user, csrf: csrf_of(call.app, &value), first_run, setup_token, provider };
     Ok(Reply { cookies, ..Reply::json(&session)? })
 }
 
@@ -169,7 +170,7 @@ pub fn setup(call: &Call<'_>) -> Answer<Reply> {
              WHERE NOT EXISTS (SELECT 1 FROM members m WHERE m.project_id = projects.id)",
             values![&user.id],
         )?;
-        Ok(())
+        first_account::forget(tx)
     })?;
     begin(call, id, door)
 }
@@ -201,6 +202,6 @@ pub fn openapi(call: &Call<'_>) -> Answer<Reply> {
 
 /// `GET /healthz`
 pub fn health(call: &Call<'_>) -> Answer<Reply> {
-    call.app.store.read(|tx| tx.row("SELECT 1", &[]))?;
+    figures::store_ready(call.app).map_err(Problem::store)?;
     Reply::json(&json!({ "done": true }))
 }

@@ -1,6 +1,7 @@
 //! Hand-written tasks and histories; expected values counted by hand.
 
 use super::*;
+use crate::domain::project::WaitingLabels;
 use crate::service::fixtures::{self, episode};
 use crate::values;
 use serde_json::json;
@@ -151,6 +152,83 @@ fn throughput_is_by_day_person_and_action_and_ageing_by_rest() {
     assert_eq!((board.by_state.get("accepted"), board.by_state.get("submitted")), (Some(&1), None));
 }
 
+/// docs/reference/service.md: labels of which another one was chosen are in no count by state; of those that are handed
+/// in, only single labels and chosen ones can be checked. Counted by hand.
+#[test]
+fn labels_that_nobody_can_check_are_not_shown_as_waiting_for_a_check() {
+    let (board, all, listed, hidden) = on_store(|tx| {
+        let copy = |id: &'static str, episode: &'static str, state: &'static str, hours: i64| Made {
+            overlap: 3,
+            updated: NOW - hours * 3_600_000,
+            ..made(id, episode, state)
+        };
+        // One label of one person, to be checked.
+        task(tx, &Made { updated: NOW - 3_600_000, ..made("1", "e1", "submitted") }, &json!({}));
+        // All handed in, none chosen: a lead waits since the last of them, 4 h ago.
+        for (id, hours) in [("22", 9), ("333", 4), ("4444", 6)] {
+            task(tx, &copy(id, "e2", "submitted", hours), &json!({}));
+        }
+        // Chosen, and overruled.
+        for (id, state, outcome) in [
+            ("55555", "submitted", "chosen"),
+            ("666666", "submitted", "superseded"),
+            ("7777777", "submitted", "superseded"),
+        ] {
+            task(tx, &copy(id, "e3", state, 2), &json!({}));
+            tx.run("UPDATE tasks SET adjudication = $1 WHERE id = $2", values![outcome, id]).unwrap();
+        }
+        // Handed in; another copy is still being labeled.
+        task(tx, &copy("88888888", "e4", "submitted", 8), &json!({}));
+        task(tx, &copy("999999999", "e4", "stage1", 5), &json!({}));
+        tx.run("UPDATE tasks SET complete = 1 WHERE episode_id = 'e2'", &[]).unwrap();
+        let board = of(tx, &project(&[]), NOW).unwrap();
+        // Another project, for the metrics.
+        tx.run(
+            "INSERT INTO projects (id, name, guide, quota, settings, created) VALUES ('q', 'q', '', '{}', '{}', 0)",
+            &[],
+        )
+        .unwrap();
+        task(tx, &made("1010101010", "e5", "open"), &json!({}));
+        tx.run("UPDATE tasks SET project_id = 'q' WHERE id = '1010101010'", &[]).unwrap();
+        let all = by_state::of_all(tx).unwrap();
+        let count =
+            |tx: &mut dyn Tx, state| crate::service::transfer::tasks_of(tx, "p", state).unwrap().len();
+        let listed = (count(tx, Some("submitted")), count(tx, None));
+        // A copy of e3 that a person labels hides the labels of e3 from them.
+        let hidden = {
+            task(tx, &made("11111111111", "e3~1", "open"), &json!({}));
+            tx.run(
+                "INSERT INTO gold (task_id, project_id, user_id, source_task, answer, created)
+                 VALUES ('11111111111', 'p', 'b', '55555', '{}', 0)",
+                &[],
+            )
+            .unwrap();
+            let roles = [crate::domain::workflow::Role::Annotator, crate::domain::workflow::Role::Checker];
+            crate::service::recognized::Hidden::of(tx, "p", "b", &roles).unwrap()
+        };
+        (board, all, listed, hidden)
+    });
+    let state = |of: &BTreeMap<String, i64>, word: &str| of.get(word).copied().unwrap_or(0);
+    assert_eq!((state(&board.by_state, "submitted"), state(&board.by_state, "stage1")), (6, 1));
+    let waiting = |check, choice, other_labels| WaitingLabels { check, choice, other_labels };
+    assert_eq!(board.submitted, waiting(2, 3, 1));
+    assert_eq!((state(&all, "submitted"), state(&all, "stage1"), state(&all, "open")), (6, 1, 1));
+    assert_eq!(listed, (6, 9), "all are listed without a filter");
+    let rows: Vec<_> =
+        board.ageing.iter().map(|a| (a.task.as_str(), a.to_choose, a.user.as_deref(), a.hours)).collect();
+    assert_eq!(
+        rows,
+        [
+            ("999999999", false, Some("Ann"), 5.0),
+            ("333", true, None, 4.0),
+            ("55555", false, Some("Ann"), 2.0),
+            ("1", false, Some("Ann"), 1.0)
+        ]
+    );
+    let seen = hidden.from_dashboard(board);
+    assert_eq!((state(&seen.by_state, "submitted"), seen.submitted), (5, waiting(1, 3, 1)));
+}
+
 #[test]
 fn agreement_is_that_of_the_first_submissions() {
     let found = on_store(|tx| {
@@ -219,6 +297,7 @@ fixtures::on_postgresql! {
     coverage_counts_episodes_once_and_only_those_that_can_be_accepted,
     coverage_of_a_veiled_class_does_not_tell_its_variants,
     throughput_is_by_day_person_and_action_and_ageing_by_rest,
+    labels_that_nobody_can_check_are_not_shown_as_waiting_for_a_check,
     agreement_is_that_of_the_first_submissions,
     audits_are_counted_by_author,
 }

@@ -3,7 +3,7 @@
 use super::{licences, print, query, refused};
 use crate::output::Print;
 use crate::output::reason::{cannot_read, cannot_write, folders_only, no_project, stop};
-use crate::store_args::{error as reported, open_store};
+use crate::store_args::{KeyArgs, error as reported};
 use crate::{Global, framework_folder, output};
 use anyhow::Context as _;
 use std::collections::BTreeMap;
@@ -33,6 +33,8 @@ pub(crate) struct Args {
     /// its episode from a mined folder
     #[arg(long, value_name = "SRC", required = true)]
     labels: Vec<String>,
+    #[command(flatten)]
+    key: KeyArgs,
     /// Project of the service; default: all projects of the store
     #[arg(long, value_name = "NAME")]
     project: Option<String>,
@@ -106,7 +108,7 @@ pub(super) fn run(global: &Global, a: Args) -> anyhow::Result<ExitCode> {
     }
     let mut streams = Vec::new();
     for source in &a.labels {
-        streams.extend(open(source, a.project.as_deref(), global.lang)?);
+        streams.extend(open((source, &a.key), a.project.as_deref(), global.lang)?);
     }
     let queries = query::Queries::new(&framework);
     // Blurred images stay beside the release until the build succeeds, so that an interrupted one can continue.
@@ -195,7 +197,11 @@ impl Progress {
 }
 
 /// The label streams of a source.
-fn open(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<LabelStream>> {
+fn open(
+    (source, key): (&str, &KeyArgs),
+    project: Option<&str>,
+    lang: Lang,
+) -> anyhow::Result<Vec<LabelStream>> {
     if source == "-" {
         let lines = Box::new(BufReader::new(std::io::stdin()));
         return Ok(vec![LabelStream { name: "<stdin>".to_owned(), lines }]);
@@ -203,10 +209,10 @@ fn open(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<L
     let path = Path::new(source);
     let is_database = source.starts_with("postgres://") || source.starts_with("postgresql://");
     if is_database || path.extension().is_some_and(|e| e == "db" || e == "sqlite") {
-        return store(source, project, lang);
+        return store((source, key), project, lang);
     }
     if path.join("labels.db").is_file() {
-        return store(&path.join("labels.db").display().to_string(), project, lang);
+        return store((&path.join("labels.db").display().to_string(), key), project, lang);
     }
     let files = if path.is_dir() { files_of(path)? } else { vec![path.to_owned()] };
     files
@@ -238,8 +244,12 @@ fn files_of(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
 }
 
 /// Tasks with their history, as `whyroad tasks export --content tasks` writes them.
-fn store(source: &str, project: Option<&str>, lang: Lang) -> anyhow::Result<Vec<LabelStream>> {
-    let store = open_store(source, lang)?;
+fn store(
+    (source, key): (&str, &KeyArgs),
+    project: Option<&str>,
+    lang: Lang,
+) -> anyhow::Result<Vec<LabelStream>> {
+    let store = key.open(source, lang)?;
     let all = store.read(projects::all).map_err(|p| reported(&p, lang))?;
     let wanted: BTreeMap<&str, &str> = all
         .iter()

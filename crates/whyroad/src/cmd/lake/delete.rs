@@ -132,6 +132,8 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         unknown.clear();
     }
     let not_found: Vec<String> = unknown.iter().map(ToString::to_string).collect();
+    // What was nowhere was not deleted: the audit file counts drives of which something was found.
+    counts.drives = drives.len() - not_found.len();
     if !not_found.is_empty() && not_found.len() == drives.len() {
         bail!(nothing_of(&not_found.join(", "), lang));
     }

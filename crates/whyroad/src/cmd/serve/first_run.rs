@@ -13,9 +13,8 @@ use whyroad_model::messages::EpisodeFilter;
 use whyroad_server::App;
 use whyroad_server::domain::project::HistoryRule;
 use whyroad_server::domain::task::CreateTasks;
-use whyroad_server::secret;
 use whyroad_server::service::create::Drafting;
-use whyroad_server::service::{create, people, projects};
+use whyroad_server::service::{create, first_account, people, projects};
 use whyroad_server::store::private;
 
 /// How the first account is created.
@@ -25,7 +24,7 @@ pub(super) enum FirstAccount {
     Made,
     /// The first visitor of the page creates it: only this machine can reach it.
     Open,
-    /// Anyone with this token creates it.
+    /// Anyone with this token creates it, at any service on the store.
     ByToken(String),
 }
 
@@ -109,13 +108,13 @@ pub(super) fn say_how_to_begin(app: &App, mined: &[PathBuf], lang: Lang) -> anyh
 /// How the first account is created on a service that is reached at `ip`.
 pub(super) fn first_account(app: &mut App, ip: IpAddr, lang: Lang) -> anyhow::Result<FirstAccount> {
     let problem = |p| store_args::error(&p, lang);
-    if !app.store.read(people::is_first_run).map_err(problem)? {
-        return Ok(FirstAccount::Made);
-    }
     if ip.is_loopback() {
-        return Ok(FirstAccount::Open);
+        let is_first = app.store.read(people::is_first_run).map_err(problem)?;
+        return Ok(if is_first { FirstAccount::Open } else { FirstAccount::Made });
     }
-    let token = secret::random(16).map_err(problem)?;
+    let Some(token) = first_account::token(&app.store).map_err(problem)? else {
+        return Ok(FirstAccount::Made);
+    };
     app.setup_token = Some(token.clone());
     Ok(FirstAccount::ByToken(token))
 }

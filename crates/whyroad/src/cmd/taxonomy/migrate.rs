@@ -2,7 +2,7 @@
 
 use crate::output::reason::{cannot_make, cannot_read, cannot_write, exists, no_framework, reason, stop};
 use crate::output::{self, Print};
-use crate::store_args::open_store;
+use crate::store_args::KeyArgs;
 use crate::{Global, framework_folder};
 use anyhow::Context as _;
 use serde_json::{Value, json};
@@ -36,6 +36,8 @@ pub(super) struct Args {
     /// Store of the labeling service: labels.db, the folder with it, or postgres://...
     #[arg(long, value_name = "STORE")]
     store: Option<String>,
+    #[command(flatten)]
+    key: KeyArgs,
     /// Labels, or tasks of `tasks export --format tasks` (JSON Lines); may be repeated
     #[arg(long, value_name = "FILE")]
     labels: Vec<PathBuf>,
@@ -128,7 +130,7 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
         ));
     }
     if let Some(source) = &args.store {
-        let store = open_store(source, global.lang)?;
+        let store = args.key.open(source, global.lang)?;
         let run = if args.dry_run { MigrationRun::Dry } else { MigrationRun::Write };
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as i64);
         let migrated = migration::migrate(&store, &mapping, run, now);
