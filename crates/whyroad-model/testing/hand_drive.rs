@@ -124,6 +124,7 @@ pub(crate) fn signals(drive: &Drive) -> SignalTable {
         ]
         .into(),
         unavailable: [("light.state".to_owned(), vec![Need::TrafficLights])].into(),
+        partial: [].into(),
         pairs: None,
     }
 }
