@@ -9,6 +9,7 @@
 //! compared by [`diff_frameworks`]: their labeling specs (`labelling`), the tables of decisions and records (`tables`)
 //! and mining rules (`mining`) too.
 
+mod difference;
 mod framework;
 mod labelling;
 mod mining;

@@ -84,7 +84,7 @@ mod tests {
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '\'';
         let mut found = Vec::new();
         for w in list {
-            for (at, _) in lower.match_indices(w.as_str()) {
+            for (at, _) in lower.char_indices().filter(|(at, _)| lower[*at..].starts_with(w.as_str())) {
                 let apart = !lower[..at].ends_with(letter) && !lower[at + w.len()..].starts_with(letter);
                 if apart || !w.is_ascii() {
                     found.push((at, at + w.len()));

@@ -2,6 +2,7 @@
 //! required field (keyframe type, another rule, a new record, `uncertainty: high`, a mandated lateral decision, a
 //! second keyframe), **minor** where something optional is added or a requirement is removed, **patch** for wording.
 
+use super::difference::Difference;
 use super::wording::{Wording, compare_text};
 use super::{Change, ChangeKind, Moves, tables};
 use crate::spec::{BoundSpec, KeyframeSpec, MomentSpec, RecordSpec};
@@ -9,15 +10,6 @@ use crate::version::Step;
 use crate::{Framework, ResolvedSpec};
 use std::collections::BTreeMap;
 use whyroad_model::{Bilingual, ScenarioId};
-
-/// One difference between two specs.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Difference {
-    pub field: &'static str,
-    pub before: Bilingual,
-    pub after: Bilingual,
-    pub step: Step,
-}
 
 /// All changes, leaf by leaf in tree order; changes common to all leaves of an L2 or L1 are reported once for that
 /// class.

@@ -3,7 +3,7 @@
 //! **Major** where something that was allowed no longer is or means something else, **minor** where more is allowed,
 //! **patch** for wording.
 
-use super::labelling::Difference;
+use super::difference::Difference;
 use super::wording::{Wording, compare_text};
 use super::{Change, ChangeKind};
 use crate::Framework;

@@ -81,7 +81,8 @@ fn the_tables_by_which_labels_are_checked_are_compared() {
         let there = diff_frameworks(Framework::bundled(), &other);
         (short(&there), short(&diff_frameworks(&other, Framework::bundled())), there)
     };
-    // Lead following is no longer allowed in a cut-in: said of each leaf that inherits it; one states its own decisions.
+    // Lead following is no longer allowed in a cut-in: said of each leaf that inherits it; one states its own
+    // decisions.
     let text = &Framework::bundled_files()[DECISIONS];
     let at = text.find("  reactive_agent.cutin:").unwrap();
     let entry = &text[at..at + text[at..].find("lateral:").unwrap()];

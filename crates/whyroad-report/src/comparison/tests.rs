@@ -135,7 +135,7 @@ fn columns_are_below_their_titles_where_an_id_is_long() {
     let long = "reactive_agent.intersection_interaction.cross_conflict";
     assert!(long.len() > 50);
     let text = render(&compared(&[episode(long, 10.0)], &[]), Lang::En, false);
-    let lines: Vec<&str> = text.lines().skip(2).collect();
+    let lines: Vec<&str> = text.lines().skip_while(|line| !line.is_empty()).skip(1).collect();
     assert!(lines[0].trim_start().starts_with("before"), "{text}");
     assert_eq!(
         lines[0].find("before").map(|at| at + "before".len()),

@@ -3,6 +3,7 @@
 //! they have seen; so are the ids of the episodes, so that they get no second task.
 
 use crate::app::App;
+use crate::domain::workflow::State;
 use crate::problem::Answer;
 use crate::service::projects::{self, DAY_MS};
 use crate::service::{deletion, seen};
@@ -37,7 +38,7 @@ pub fn sweep(app: &App) -> Answer<u64> {
             let (id, before) = (project.id.clone(), now - days * DAY_MS);
             let n = app.store.write(move |tx| {
                 let sql = format!(
-                    "SELECT id, episode_id, drive_id FROM tasks WHERE project_id = $1 AND {FINISHED}
+                    "SELECT id, episode_id, drive_id, state FROM tasks WHERE project_id = $1 AND {FINISHED}
                      ORDER BY updated, id LIMIT $3"
                 );
                 let rows = tx.rows(&sql, values![&id, before, AT_ONCE])?;
@@ -45,11 +46,14 @@ pub fn sweep(app: &App) -> Answer<u64> {
                 for row in &rows {
                     let (task, episode) = (row.text("id")?, row.text("episode_id")?);
                     seen::outlast(tx, &task, &episode)?;
-                    tx.run(
-                        "INSERT INTO finished_episodes (project_id, episode_id, drive_id) VALUES ($1, $2, $3)
-                         ON CONFLICT DO NOTHING",
-                        values![&id, &episode, row.text("drive_id")?],
-                    )?;
+                    // Nobody has labeled or refused what was skipped: it may be asked again.
+                    if row.text("state")? != State::Skipped.word() {
+                        tx.run(
+                            "INSERT INTO finished_episodes (project_id, episode_id, drive_id) VALUES ($1, $2, $3)
+                             ON CONFLICT DO NOTHING",
+                            values![&id, &episode, row.text("drive_id")?],
+                        )?;
+                    }
                     for table in &parts {
                         tx.run(&format!("DELETE FROM {table} WHERE task_id = $1"), values![&task])?;
                     }

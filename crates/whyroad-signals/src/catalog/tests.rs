@@ -32,7 +32,7 @@ fn changed(from: &str, to: &str) -> (Catalog, Vec<Diagnostic>) {
     Catalog::parse(&text.replacen(from, to, 1))
 }
 
-const SPEED: &str = "  - name: ego.speed\n    title: { zh: 自车速度, en: speed of the ego }\n    scope: frame\n    type: number\n    unit: m/s\n    scale: 5.0\n    needs: [ego pose]\n";
+const SPEED: &str = "  - name: ego.speed\n    title: { zh: 自车速度, en: speed of the ego }\n    scope: frame\n    type: number\n    unit: m/s\n    scale: 5.0\n    least: 0\n    needs: [ego pose]\n";
 
 #[test]
 fn broken_entries_are_refused_one_by_one_where_they_are() {
@@ -46,15 +46,15 @@ fn broken_entries_are_refused_one_by_one_where_they_are() {
         ("    scale: 5.0\n", "", "signals.type", 3),
         ("scope: frame", "scope: world", "signals.type", 2),
         ("type: number", "type: figure", "signals.type", 3),
-        ("needs: [ego pose]", "needs: [luck]", "signals.needs", 6),
+        ("needs: [ego pose]", "needs: [luck]", "signals.needs", 7),
         ("type: number", "type: flag", "signals.changed", 3),
         ("scope: frame", "scope: target", "signals.changed", 2),
         ("unit: m/s", "unit: m", "signals.changed", 4),
-        ("needs: [ego pose]", "needs: [map]", "signals.changed", 6),
+        ("needs: [ego pose]", "needs: [map]", "signals.changed", 7),
         ("scale: 5.0", "scale: 5.0\n    aliases: [ego.accel]", "signals.name", 0),
         ("unit: m/s", "units: m/s", "signals.field.unknown", 4),
         ("    scope: frame\n", "", "signals.field.missing", 0),
-        ("needs: [ego pose]", "needs: ego pose", "signals.field.type", 6),
+        ("needs: [ego pose]", "needs: ego pose", "signals.field.type", 7),
         ("unit: m/s", "unit: m/s\n    unit: m/s", "signals.field.duplicate", 5),
     ];
     for (from, to, code, below) in cases {

@@ -115,7 +115,8 @@ fn every_command_reports_faults_of_the_signal_catalog() {
     }
 }
 
-/// docs/how-to/edit-the-framework.md: `validate` exits with 1, other commands with 3 where they would have exited with 0.
+/// docs/how-to/edit-the-framework.md: `validate` exits with 1, other commands with 3 where they would have exited with
+/// 0.
 #[test]
 fn an_error_in_a_rule_changes_the_exit_code_of_every_command() {
     let folder = framework(&[(CUTIN, "[\"target.ttc < urgent_ttc\"]", "[\"target.tcc < urgent_ttc\"]")]);

@@ -1,4 +1,5 @@
-//! What the layout consists of: names of its tables, of their columns, and of the keys of the drive file. What they mean
+//! What the layout consists of: names of its tables, of their columns, and of the keys of the drive file. What they
+//! mean
 //! is written in `docs/reference/table-format.md`.
 
 /// The tables of a drive.
