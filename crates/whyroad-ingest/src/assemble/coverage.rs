@@ -69,7 +69,7 @@ mod tests {
         // Frames every 0.1 s; messages every 0.2 s, none between 0.4 s and 1.4 s, none after 1.6 s.
         let frames: Vec<f64> = (0..20).map(|i| f64::from(i) / 10.0).collect();
         let messages = vec![0.0, 0.2, 0.4, 1.4, 1.6];
-        let unknown = unobserved(&[messages.clone()], &frames, 0.6);
+        let unknown = unobserved(std::slice::from_ref(&messages), &frames, 0.6);
         let found: Vec<usize> = (0..20).filter(|&i| unknown[i]).collect();
         assert_eq!(found, [5, 6, 7, 8, 9, 10, 11, 12, 13, 17, 18, 19]);
         let times: Vec<Nanos> = (0..20).map(|i| Nanos(i * 100_000_000)).collect();

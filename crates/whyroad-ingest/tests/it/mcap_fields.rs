@@ -288,7 +288,7 @@ fn where_no_message_is_objects_are_unknown() {
     fs::write(dir.path().join("m.yaml"), MAPPING).unwrap();
     let (sources, _) = whyroad_ingest::find_sources(None, &[dir.path().join("d.mcap")]);
     let options = Options::default().with(&mcap::MAPPING, dir.path().join("m.yaml"));
-    let lake = whyroad_lake::Lake::create_or_open(&dir.path().join("lake")).unwrap();
+    let lake = whyroad_lake::Lake::create_or_open(dir.path().join("lake")).unwrap();
     let report = whyroad_ingest::ingest(&sources[0], &options, &lake);
     assert!(said(&report, "ingest.objects.unobserved").contains("2.0 s of 3.1 s (from 1.1 s on)"));
     let stored = lake.read_drive(&report.drive_id.unwrap()).unwrap();

@@ -32,7 +32,7 @@ fn a_turn_between_straights_is_one_at_a_junction() {
     // The arc is from 4 s to 5.9 s.
     let inside: Vec<Tri> = [30, 45, 50, 55, 70].map(|i| t.ego_flag("ego.in_junction", i)).into();
     assert_eq!(inside, [Unknown, True, True, True, Unknown]);
-    assert_eq!(t.ego_category("ego.movement", 50).as_deref(), Some("left"));
+    assert_eq!(t.ego_category("ego.movement", 50), Some("left"));
     assert_eq!(t.ego_category("ego.movement", 70), None);
     assert!((t.ego("ego.turn_angle", 50) - PI / 2.0).abs() < 0.02);
     assert_eq!(t.ego("map.distance_to_junction", 50), 0.0);
@@ -43,7 +43,7 @@ fn a_turn_between_straights_is_one_at_a_junction() {
     // Nothing else of the road follows from it.
     assert!(t.0.unavailable.contains_key("map.junction_arms"));
     let t = Table::of(&drive(101, winding(&[(40.0, 0.0), (QUARTER, -CORNER), (100.0, 0.0)])));
-    assert_eq!(t.ego_category("ego.movement", 50).as_deref(), Some("right"));
+    assert_eq!(t.ego_category("ego.movement", 50), Some("right"));
 }
 
 #[test]

@@ -266,7 +266,7 @@ fn every_leaf_has_a_component_and_a_trace_that_reads_as_written() {
 }
 
 /// Findings about the text, not about what a person must still fill in.
-fn text_findings(checker: &crate::check::Checker<'_>, label: &CocLabel) -> Vec<whyroad_model::Diagnostic> {
+fn text_findings(checker: &crate::check::Checker<'_>, label: &CocLabel) -> Vec<Diagnostic> {
     let mut found = checker.check_text(&serde_json::to_value(label).unwrap().to_string());
     let about_text = ["label.text", "label.trace", "label.cause"];
     found.retain(|d| about_text.iter().any(|code| d.code.starts_with(code)));
