@@ -43,8 +43,7 @@ pub(super) fn resolve(cutter: &Cutter<'_>, candidate: &Candidate<'_>) -> Result<
     };
     let (label, json) = read(record)?;
     let other = candidate.other.as_ref().map(read).transpose()?;
-    let is_draft = candidate.status == crate::labels::DRAFT;
-    Ok(Resolved { label, json, other, draft: is_draft })
+    Ok(Resolved { label, json, other, draft: candidate.status == crate::labels::DRAFT })
 }
 
 /// A draft by rule may lack records that a person has to fill in; with any other error it is not a sample. Those of
