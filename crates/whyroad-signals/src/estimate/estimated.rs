@@ -176,12 +176,12 @@ fn estimated_from<'d>(
     let mut out = Estimated { noise, ..none_of(drive) };
     let mut tracks: Cow<'_, [Track]> = Cow::Borrowed(&drive.tracks);
     let next = next_of(&drive.tracks, &only_measured, kind);
-    let exact = |m: &Measured, of: &Motion, noise: &LogNoise| {
-        noise.is_negligible() && m.is_complete() && is_stated(of)
+    let exact = |m: &Measured, of: &Motion, class: ObjectClass, noise: &LogNoise| {
+        noise.is_negligible() && m.is_complete() && is_stated(of) && !is_restless(class, m)
     };
     if next.iter().all(Option::is_none)
-        && of_ego.iter().zip(&drive.ego).all(|(m, e)| exact(m, &e.motion, &noise.ego))
-        && measured.iter().zip(&drive.tracks).all(|(m, t)| exact(m, &t.motion, &kind(t.class)))
+        && of_ego.iter().zip(&drive.ego).all(|(m, e)| exact(m, &e.motion, ObjectClass::Car, &noise.ego))
+        && measured.iter().zip(&drive.tracks).all(|(m, t)| exact(m, &t.motion, t.class, &kind(t.class)))
     {
         return out;
     }
@@ -196,7 +196,7 @@ fn estimated_from<'d>(
     let mut estimated: Vec<Track> = Vec::with_capacity(tracks.len());
     let rows = measured.iter().zip(&only_measured);
     for (track, (measured, only_measured)) in tracks.iter().zip(rows).filter(|(_, (m, _))| wanted(m)) {
-        let noise = of_one(kind(track.class), measured, only_measured);
+        let noise = of_one(kind(track.class), track.class, measured, only_measured);
         if noise.is_negligible() && measured.is_complete() {
             let mut exact = track.clone();
             complete_motion(&mut exact.motion, &measured.times, &track.length_m, track.class);
@@ -225,7 +225,7 @@ fn estimated_from<'d>(
         out.bridged.push(measured.bridged());
     }
     let ego = drive.ego.as_ref().zip(of_ego).map(|(ego, measured)| {
-        let noise = of_one(noise.ego, &measured, &measured.compact());
+        let noise = of_one(noise.ego, ObjectClass::Car, &measured, &measured.compact());
         let (ego, sd) = of_the_ego(ego, &measured, &noise);
         out.ego = sd;
         ego
@@ -359,7 +359,17 @@ fn noise_of(drive: &Drive, only_measured: &[Measured], ego: Option<&Measured>) -
 /// The noise of one track: that of its kind, or its own if it is badly tracked (a box that jumps back and forth along a
 /// long vehicle, or a distant one that is placed again twice a second). `only_measured` contains only the measured
 /// rows.
-fn of_one(kind: LogNoise, measured: &Measured, only_measured: &Measured) -> LogNoise {
+fn of_one(kind: LogNoise, class: ObjectClass, measured: &Measured, only_measured: &Measured) -> LogNoise {
+    let own = of_its_rows(kind, measured, only_measured);
+    if own.is_negligible() && is_restless(class, only_measured) { own.noticeable() } else { own }
+}
+
+/// True for a vehicle that cannot have moved as it was measured.
+fn is_restless(class: ObjectClass, only_measured: &Measured) -> bool {
+    on_wheels(class) && noise::jumps_and_returns(only_measured.rows(0..only_measured.times.len()))
+}
+
+fn of_its_rows(kind: LogNoise, measured: &Measured, only_measured: &Measured) -> LogNoise {
     let known = measured.x.iter().filter(|x| x.is_finite()).count();
     let (Some(first), Some(last)) = (measured.times.first(), measured.times.last()) else { return kind };
     let step = (last - first) / known as f64;

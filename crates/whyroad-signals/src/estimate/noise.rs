@@ -80,6 +80,12 @@ pub struct LogNoise {
 }
 
 impl LogNoise {
+    /// The same where places and velocities are known not to be exact.
+    pub fn noticeable(self) -> Self {
+        let raised = |of: Noise| Noise { white: of.white.max(1.5 * of.negligible), ..of };
+        Self { position: raised(self.position), velocity: raised(self.velocity), ..self }
+    }
+
     /// True when all measurements in the log are exact.
     pub fn is_negligible(&self) -> bool {
         self.position.is_negligible() && self.heading.is_negligible() && self.velocity.is_negligible()
@@ -109,6 +115,39 @@ pub struct Rows<'a> {
 const NEGLIGIBLE: [f64; 3] = [0.015, 0.005, 0.05];
 /// Contribution of smooth motion itself per `dt` to the power of the order: jerk, yaw acceleration, jerk.
 const OF_MOTION: [f64; 3] = [0.5, 0.05, 0.5];
+
+/// No vehicle changes its speed by this much to one side and by as much to the other in two successive steps, m/s2.
+const THERE_AND_BACK_MPS2: f64 = 7.0;
+/// Nor by this much in the last step, of which nobody knows yet whether it is taken back: tires hold 1.1 g or so, m/s2.
+const LAST_STEP_MPS2: f64 = 12.0;
+
+/// True when a vehicle's positions or stated velocities jump along its heading and back again: single rows of a log that
+/// is exact otherwise are of another time or place than they say.
+pub fn jumps_and_returns(rows: Rows<'_>) -> bool {
+    let along = |i: usize, (x, y): (f64, f64)| {
+        let (sin, cos) = rows.heading[i].sin_cos();
+        x * cos + y * sin
+    };
+    let stated = |i: usize| {
+        let at = |v: &[f64]| v.get(i).copied().unwrap_or(f64::NAN);
+        let forward = at(rows.forward);
+        if forward.is_nan() { along(i, (at(rows.vx), at(rows.vy))) } else { forward }
+    };
+    let step = |i: usize| rows.times[i] - rows.times[i - 1];
+    let moved = |i: usize| along(i, (rows.x[i] - rows.x[i - 1], rows.y[i] - rows.y[i - 1])) / step(i);
+    let last = rows.times.len().saturating_sub(1);
+    let is_impossible = |at: usize, speeds: [f64; 3], steps: [f64; 2]| {
+        let [up, down] = [(speeds[1] - speeds[0]) / steps[0], (speeds[2] - speeds[1]) / steps[1]];
+        let returns = up * down < 0.0 && up.abs().min(down.abs()) > THERE_AND_BACK_MPS2;
+        returns || (at == last && down.abs() > LAST_STEP_MPS2)
+    };
+    let is_near = |i: usize| rows.times[i] - rows.times[i - 3] <= 3.0 * MAX_STEP_S;
+    (3..rows.times.len()).filter(|i| is_near(*i)).any(|i| {
+        let middle = |i: usize| 0.5 * (step(i) + step(i - 1));
+        is_impossible(i, [moved(i - 2), moved(i - 1), moved(i)], [middle(i - 1), middle(i)])
+            || is_impossible(i, [stated(i - 2), stated(i - 1), stated(i)], [step(i - 1), step(i)])
+    })
+}
 
 /// The noise of objects of one kind, estimated from all of them together. Zero where there are too few rows.
 pub fn estimate<'a>(objects: impl Iterator<Item = Rows<'a>> + Clone) -> LogNoise {
