@@ -121,8 +121,8 @@ const THERE_AND_BACK_MPS2: f64 = 7.0;
 /// Nor by this much in the last step, of which nobody knows yet whether it is taken back: tires hold 1.1 g or so, m/s2.
 const LAST_STEP_MPS2: f64 = 12.0;
 
-/// True when a vehicle's positions or stated velocities jump along its heading and back again: single rows of a log that
-/// is exact otherwise are of another time or place than they say.
+/// True when a vehicle's speed jumps and returns: single rows of a log that is exact otherwise are of another time or
+/// place than they say. The speed is the stated one, which is what is used where it is there; else that of the positions.
 pub fn jumps_and_returns(rows: Rows<'_>) -> bool {
     let along = |i: usize, (x, y): (f64, f64)| {
         let (sin, cos) = rows.heading[i].sin_cos();
@@ -142,10 +142,14 @@ pub fn jumps_and_returns(rows: Rows<'_>) -> bool {
         returns || (at == last && down.abs() > LAST_STEP_MPS2)
     };
     let is_near = |i: usize| rows.times[i] - rows.times[i - 3] <= 3.0 * MAX_STEP_S;
+    let states_speeds = (0..rows.times.len()).any(|i| stated(i).is_finite());
     (3..rows.times.len()).filter(|i| is_near(*i)).any(|i| {
         let middle = |i: usize| 0.5 * (step(i) + step(i - 1));
-        is_impossible(i, [moved(i - 2), moved(i - 1), moved(i)], [middle(i - 1), middle(i)])
-            || is_impossible(i, [stated(i - 2), stated(i - 1), stated(i)], [step(i - 1), step(i)])
+        if states_speeds {
+            is_impossible(i, [stated(i - 2), stated(i - 1), stated(i)], [step(i - 1), step(i)])
+        } else {
+            is_impossible(i, [moved(i - 2), moved(i - 1), moved(i)], [middle(i - 1), middle(i)])
+        }
     })
 }
 
