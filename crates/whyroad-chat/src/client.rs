@@ -119,7 +119,7 @@ impl Client {
     }
 
     /// Asks, and parses the answer with `read`, whose error describes what is wrong. An answer that `read` accepts is
-    /// kept; otherwise the question is asked once more.
+    /// kept, and so is a refusal; otherwise the question is asked once more.
     pub fn ask<T>(
         &self,
         request: &Request,
@@ -127,15 +127,27 @@ impl Client {
     ) -> Result<Answered<T>, ChatError> {
         let body = request.body(&self.model, self.max_answer_tokens);
         let name = cache::name(self.wire.url(), &body);
-        if let Some(text) = self.cache.as_ref().and_then(|c| c.get(&name))
-            && let Ok(value) = read(&text)
-        {
-            self.ledger.cached();
-            return Ok(Answered { value, text });
+        match self.cache.as_ref().and_then(|c| c.get(&name)) {
+            Some(Err(refusal)) => {
+                self.ledger.cached();
+                return Err(ChatError::Refused(refusal));
+            }
+            Some(Ok(text)) => {
+                if let Ok(value) = read(&text) {
+                    self.ledger.cached();
+                    return Ok(Answered { value, text });
+                }
+            }
+            None => {}
         }
+        let keep = |answer| self.cache.as_ref().map_or(Ok(()), |cache| cache.put(&name, answer));
         let mut fault = String::new();
         for _ in 0..TRIES_FOR_FORM {
             let completion = self.completion(&body)?;
+            if let Some(why) = completion.refusal {
+                keep(Err(&why))?;
+                return Err(ChatError::Refused(why));
+            }
             let text = match completion.text() {
                 Ok(text) => text,
                 Err(why) => {
@@ -145,9 +157,7 @@ impl Client {
             };
             match read(&text) {
                 Ok(value) => {
-                    if let Some(cache) = &self.cache {
-                        cache.put(&name, &text)?;
-                    }
+                    keep(Ok(&text))?;
                     return Ok(Answered { value, text });
                 }
                 Err(why) => fault = why,
@@ -156,7 +166,7 @@ impl Client {
         Err(ChatError::Answer(fault))
     }
 
-    /// One completion, with retries. A refusal is an error.
+    /// One completion, with retries.
     fn completion(&self, body: &str) -> Result<Completion, ChatError> {
         let mut attempts = 0;
         loop {
@@ -167,9 +177,6 @@ impl Client {
                 Outcome::Body(text) => match Completion::read(&text) {
                     Ok(completion) => {
                         self.ledger.add(completion.tokens);
-                        if let Some(why) = &completion.refusal {
-                            return Err(ChatError::Refused(why.clone()));
-                        }
                         return Ok(completion);
                     }
                     // A proxy's page, or a connection that was cut: the next request may succeed.

@@ -71,7 +71,10 @@ impl ChatError {
                 "chat.unavailable",
                 Bilingual::new(
                     format!("发送 {attempts} 次请求后仍无回答：{why}"),
-                    format!("no answer after {attempts} requests: {why}"),
+                    format!(
+                        "no answer after {attempts} {}: {why}",
+                        if *attempts == 1 { "request" } else { "requests" }
+                    ),
                 ),
             ),
             Self::Rejected { status, why } => (
@@ -101,6 +104,15 @@ impl ChatError {
                 Bilingual::new(
                     format!("令牌数达到上限 {n}"),
                     format!("the maximum of {n} tokens is used up"),
+                ),
+            ),
+            Self::Budget(Limit::Uncounted(n)) => (
+                "chat.budget",
+                Bilingual::new(
+                    format!("模型服务没有给出令牌数，无法遵守上限 {n}；请改用 --max-requests"),
+                    format!(
+                        "the endpoint states no number of tokens, so the maximum of {n} cannot be kept; use --max-requests"
+                    ),
                 ),
             ),
             Self::Cache { path, why } => (

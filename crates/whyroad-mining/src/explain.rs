@@ -24,7 +24,8 @@ use whyroad_model::{Bilingual, FrameRange, Nanos, SignalTable, TrackId, Tri};
 pub enum Outcome {
     /// No possible target is observed in the clip.
     NoCandidate,
-    /// No frame of the clip could be decided.
+    /// No frame of the clip could be decided, or none of those in which no condition is known to fail, and the drive
+    /// lacks signals.
     Undecided,
     /// The conditions that must hold together never did.
     NotTogether,
@@ -175,6 +176,17 @@ fn explain_one(
             best = Some((reached, *roles));
         }
     }
+    let missing = find(rule, table).missing;
+    let is_open =
+        best.as_ref().is_some_and(|(b, _)| b.outcome == Outcome::NotTogether && !missing.is_empty());
+    for roles in all.iter().filter(|_| is_open) {
+        let open = open(rule, *roles, clip, &mut evaluator);
+        if let Some(open) = open
+            && best.as_ref().is_none_or(|(b, _)| b.outcome != Outcome::Undecided || open.beats(b))
+        {
+            best = Some((open, *roles));
+        }
+    }
     let mut out = match best {
         Some((reached, roles)) => explanation_at(rule, roles, clip, &reached, &mut evaluator),
         None => nobody(clip),
@@ -187,7 +199,7 @@ fn explain_one(
         };
         out.response = find(rule, table).episodes.iter().find(of).map(|e| e.response);
     } else {
-        out.missing = find(rule, table).missing.into_iter().collect();
+        out.missing = missing.into_iter().collect();
     }
     out
 }
@@ -267,23 +279,59 @@ fn reach<'a>(
     if best.outcome > Outcome::WrongDuration {
         return best;
     }
-    let parts: Vec<Rc<Series>> = rule
-        .parts
-        .iter()
-        .filter(|p| p.place == PartPlace::When)
-        .map(|p| evaluator.series(p.condition, &mut pass))
-        .collect();
-    let holds =
-        |part: &Rc<Series>, i: usize| matches!(part.as_ref(), Series::Truths(t) if t.value[i] == Tri::True);
+    let held_at = held_parts(rule, evaluator, &mut pass);
     for i in (0..rows.len()).filter(|&i| inside(i) && when.value[i] != Tri::Unknown) {
         let outcome = if when.value[i] == Tri::True { Outcome::WrongDuration } else { Outcome::NotTogether };
-        let held = parts.iter().filter(|part| holds(part, i)).count();
-        let reached = Reached { outcome, held, margin: when.margin[i], row: Some(i), matched: None };
+        let reached =
+            Reached { outcome, held: held_at(i), margin: when.margin[i], row: Some(i), matched: None };
         if reached.beats(&best) {
             best = reached;
         }
     }
     best
+}
+
+/// By row, the number of the conditions of `when` that hold.
+fn held_parts<'a>(
+    rule: &'a Rule,
+    evaluator: &mut Evaluator<'a>,
+    pass: &mut Pass<'a>,
+) -> impl Fn(usize) -> usize + use<> {
+    let when = rule.parts.iter().filter(|p| p.place == PartPlace::When);
+    let parts: Vec<Rc<Series>> = when.map(|p| evaluator.series(p.condition, pass)).collect();
+    let holds =
+        |part: &Rc<Series>, i: usize| matches!(part.as_ref(), Series::Truths(t) if t.value[i] == Tri::True);
+    move |i| parts.iter().filter(|part| holds(part, i)).count()
+}
+
+/// The row of the clip in which most conditions hold and none is known to fail, in a stretch that would be long enough
+/// for a match.
+fn open<'a>(
+    rule: &'a Rule,
+    roles: Roles<'a>,
+    clip: FrameRange,
+    evaluator: &mut Evaluator<'a>,
+) -> Option<Reached> {
+    let mut pass = evaluator.pass_of(roles);
+    let series = evaluator.series(rule.when, &mut pass);
+    let rows = evaluator.rows(&pass).to_vec();
+    let Series::Truths(when) = series.as_ref() else { return None };
+    let not_false = Truths::of_flags(when.value.iter().map(|t| Tri::from(*t != Tri::False)).collect());
+    let inside = |i: usize| rows[i].frame.is_some_and(|f| clip.contains(f));
+    let held_at = held_parts(rule, evaluator, &mut pass);
+    let lasts = |(a, b): &(usize, usize)| rows[*b].end - rows[*a].time >= rule.min_duration;
+    let possible = runs(&not_false, &rows, rule).into_iter().filter(lasts).flat_map(|(a, b)| a..=b);
+    let unknown = possible.filter(|&i| inside(i) && when.value[i] == Tri::Unknown);
+    // The first of equals.
+    let row = unknown.min_by_key(|&i| std::cmp::Reverse(held_at(i)))?;
+    let held = held_at(row);
+    Some(Reached {
+        outcome: Outcome::Undecided,
+        held,
+        margin: f64::NEG_INFINITY,
+        row: Some(row),
+        matched: None,
+    })
 }
 
 fn explanation_at<'a>(

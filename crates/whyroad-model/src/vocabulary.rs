@@ -5,6 +5,9 @@
 pub const LANE_TAGS: &[&str] =
     &["ramp", "acceleration", "deceleration", "tidal", "variable", "waiting_area", "unpaved"];
 
+/// Bus lanes among what a map is declared to have in full ([`crate::RoadMap::complete_for`]).
+pub const BUS_LANES: &str = "bus_lane";
+
 /// Kinds of facilities ([`crate::road_map::Facility::kind`]).
 pub const FACILITY_KINDS: &[&str] = &[
     "speed_bump",

@@ -38,7 +38,8 @@ pub(crate) struct ModelArgs {
     /// Maximum number of requests of this run, retries among them [default: no limit]
     #[arg(long, value_name = "N", requires = "model")]
     max_requests: Option<u64>,
-    /// Maximum number of tokens of this run, questions and answers together [default: no limit]
+    /// Number of tokens, of questions and answers together, from which on no further request is sent; those under way
+    /// are finished [default: no limit]
     #[arg(long, value_name = "N", requires = "model")]
     max_tokens: Option<u64>,
     /// Maximum number of tokens of one answer
@@ -111,13 +112,27 @@ pub(crate) fn cost(spent: &ModelSpent, lang: Lang) -> String {
     };
     match lang {
         Lang::Zh => {
-            let cost = cost.map(|c| format!("；费用 {c:.4}")).unwrap_or_default();
+            let cost = match cost {
+                Some(_) if answers_without_count > 0 && input_tokens + output_tokens == 0 => {
+                    "；费用未知".to_owned()
+                }
+                Some(c) if answers_without_count > 0 => format!("；费用至少 {c:.4}"),
+                Some(c) => format!("；费用 {c:.4}"),
+                None => String::new(),
+            };
             format!(
                 "模型：{requests} 次请求，{cached} 个回答来自缓存；令牌 输入 {input_tokens}、输出 {output_tokens}{uncounted}{cost}"
             )
         }
         Lang::En => {
-            let cost = cost.map(|c| format!("; cost {c:.4}")).unwrap_or_default();
+            let cost = match cost {
+                Some(_) if answers_without_count > 0 && input_tokens + output_tokens == 0 => {
+                    "; cost unknown".to_owned()
+                }
+                Some(c) if answers_without_count > 0 => format!("; cost at least {c:.4}"),
+                Some(c) => format!("; cost {c:.4}"),
+                None => String::new(),
+            };
             format!(
                 "model: {requests} requests, {cached} answers from the cache; tokens: {input_tokens} in, {output_tokens} out{uncounted}{cost}"
             )

@@ -9,7 +9,8 @@ use whyroad_model::ModelSpent;
 pub struct Budget {
     /// Requests, retries among them.
     pub requests: Option<u64>,
-    /// Tokens of questions and answers together. A request is sent while the count is below this.
+    /// Tokens of questions and answers together. A request is sent while the count is below this, and while every answer
+    /// has stated its count.
     pub tokens: Option<u64>,
 }
 
@@ -20,6 +21,8 @@ pub enum Limit {
     Requests(u64),
     /// Number of tokens.
     Tokens(u64),
+    /// A number of tokens, of which nobody knows how many are used: the endpoint does not count them.
+    Uncounted(u64),
 }
 
 /// Prices of a million tokens, in the user's currency.
@@ -57,9 +60,14 @@ impl Ledger {
         if let Some(most) = self.budget.requests.filter(|most| spent.requests >= *most) {
             return Err(ChatError::Budget(Limit::Requests(most)));
         }
-        let used = spent.input_tokens + spent.output_tokens;
-        if let Some(most) = self.budget.tokens.filter(|most| used >= *most) {
-            return Err(ChatError::Budget(Limit::Tokens(most)));
+        let used = spent.input_tokens.saturating_add(spent.output_tokens);
+        if let Some(most) = self.budget.tokens {
+            if used >= most {
+                return Err(ChatError::Budget(Limit::Tokens(most)));
+            }
+            if spent.answers_without_count > 0 {
+                return Err(ChatError::Budget(Limit::Uncounted(most)));
+            }
         }
         spent.requests += 1;
         Ok(())
@@ -117,5 +125,9 @@ mod tests {
         few.add(None);
         assert_eq!(few.take(), Err(ChatError::Budget(Limit::Requests(1))));
         assert_eq!((few.spent().answers_without_count, few.spent().cost), (1, None));
+        let blind = Ledger::new(Budget { requests: None, tokens: Some(100) }, None);
+        blind.take().unwrap();
+        blind.add(None);
+        assert_eq!(blind.take(), Err(ChatError::Budget(Limit::Uncounted(100))));
     }
 }

@@ -1,5 +1,5 @@
 //! Answers kept by the content of their request, one file each: an interrupted run continues where it stopped, and a
-//! repeated one costs nothing. Only usable answers are kept; the question of an unreadable file is asked again.
+//! repeated one costs nothing. Usable answers and refusals are kept; the question of an unreadable file is asked again.
 
 use crate::ChatError;
 use serde::{Deserialize, Serialize};
@@ -20,6 +20,9 @@ pub(super) struct Cache {
 struct Kept {
     version: u32,
     answer: String,
+    /// The answer is the text of a refusal.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    refused: bool,
 }
 
 /// Name of the request's file: a hash of the address and of everything that is sent except the key.
@@ -37,15 +40,18 @@ impl Cache {
         Ok(Self { dir, written: AtomicU64::new(0) })
     }
 
-    pub fn get(&self, name: &str) -> Option<String> {
+    /// A kept answer; as an error, a refusal.
+    pub fn get(&self, name: &str) -> Option<Result<String, String>> {
         let text = std::fs::read_to_string(self.file(name)).ok()?;
         let kept: Kept = serde_json::from_str(&text).ok()?;
-        (kept.version == VERSION).then_some(kept.answer)
+        let answer = if kept.refused { Err(kept.answer) } else { Ok(kept.answer) };
+        (kept.version == VERSION).then_some(answer)
     }
 
     /// Written atomically: a killed run leaves no partial file.
-    pub fn put(&self, name: &str, answer: &str) -> Result<(), ChatError> {
-        let kept = Kept { version: VERSION, answer: answer.to_owned() };
+    pub fn put(&self, name: &str, answer: Result<&str, &str>) -> Result<(), ChatError> {
+        let text = answer.unwrap_or_else(|refusal| refusal).to_owned();
+        let kept = Kept { version: VERSION, answer: text, refused: answer.is_err() };
         let text = serde_json::to_string(&kept).map_err(|e| unwritable(&self.dir, &e.into()))?;
         let number = self.written.fetch_add(1, Ordering::Relaxed);
         let half = self.dir.join(format!("{name}.{}.{number}.part", std::process::id()));

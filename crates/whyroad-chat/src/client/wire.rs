@@ -4,7 +4,7 @@
 use super::key::Key;
 use crate::ChatError;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 use ureq::Agent;
 use ureq::tls::{Certificate, RootCerts, TlsConfig};
 use whyroad_model::Bilingual;
@@ -74,8 +74,7 @@ impl Wire {
         let pause = response
             .headers()
             .get("retry-after")
-            .and_then(|v| v.to_str().ok()?.trim().parse().ok())
-            .map(Duration::from_secs);
+            .and_then(|v| pause_of(v.to_str().ok()?.trim(), SystemTime::now()));
         let text = match response.body_mut().with_config().limit(LARGEST).read_to_string() {
             Ok(text) => text,
             Err(e) if status == 200 => return Outcome::Again { why: self.shown(&e.to_string()), pause },
@@ -109,6 +108,15 @@ impl Wire {
         let line: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
         line.chars().filter(|c| !c.is_control()).take(SHOWN).collect()
     }
+}
+
+/// The pause of a `Retry-After`: seconds, or a date (RFC 9110, 10.2.3).
+fn pause_of(value: &str, now: SystemTime) -> Option<Duration> {
+    if let Ok(seconds) = value.parse::<f64>() {
+        return Duration::try_from_secs_f64(seconds).ok();
+    }
+    let at = httpdate::parse_http_date(value).ok()?;
+    Some(at.duration_since(now).unwrap_or_default())
 }
 
 /// True for an address of this machine.
@@ -145,6 +153,17 @@ fn address(url: &str) -> Result<String, ChatError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pauses_are_seconds_or_dates() {
+        // Of RFC 9110, 5.6.7: 784111777 s after 1970.
+        let now = SystemTime::UNIX_EPOCH + Duration::from_secs(784_111_700);
+        let seconds = |value: &str| pause_of(value, now).map(|d| d.as_secs_f64());
+        assert_eq!((seconds("2"), seconds("1.5")), (Some(2.0), Some(1.5)));
+        assert_eq!(seconds("Sun, 06 Nov 1994 08:49:37 GMT"), Some(77.0));
+        assert_eq!(seconds("Sun, 06 Nov 1994 08:00:00 GMT"), Some(0.0), "has passed");
+        assert_eq!((seconds("soon"), seconds("-1")), (None, None));
+    }
 
     #[test]
     fn addresses_are_completed_and_secrets_in_them_refused() {

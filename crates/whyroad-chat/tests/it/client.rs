@@ -90,6 +90,15 @@ fn a_refusal_is_reported_and_not_repeated() {
     assert_eq!(refused, Err(ChatError::Refused("I cannot help with that".into())));
     assert_eq!(endpoint.seen().len(), 1);
     assert_eq!(refused.unwrap_err().diagnostic().code, "chat.refused");
+    // With a cache, another run does not pay for it again.
+    let dir = tempfile::tempdir().unwrap();
+    let cached = || Settings { cache: Some(dir.path().to_owned()), ..settings(&endpoint) };
+    let refused = ChatError::Refused("I cannot help with that".into());
+    for sent in [2, 2] {
+        let client = Client::new(cached()).unwrap();
+        assert_eq!(client.ask(&request("?"), number), Err(refused.clone()));
+        assert_eq!(endpoint.seen().len(), sent);
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Lane, LaneMark, LayerState, MapLayer, Point3, TurnKind};
-use whyroad_model::vocabulary::{FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
+use whyroad_model::vocabulary::{BUS_LANES, FACILITY_KINDS, LANE_TAGS, SIGN_KINDS};
 
 /// A lane begins where another ends when they are this near, m, and point the same way within this, rad (30 deg).
 const JOINT_M: f64 = 1.0;
@@ -38,7 +38,7 @@ pub(crate) fn declare(map: &mut RoadMap, stated: &[(MapLayer, LayerState)]) {
 pub(crate) struct Declared {
     /// Layers.
     pub layers: Vec<MapLayer>,
-    /// Kinds of signs and facilities, tags of lanes.
+    /// Kinds of signs and facilities, tags of lanes, bus lanes.
     pub kinds: BTreeSet<String>,
 }
 
@@ -56,7 +56,10 @@ impl Declared {
     /// Every word that [`Self::add`] knows.
     pub fn words() -> Vec<&'static str> {
         let layers = Self::LAYERS.iter().map(|(word, ..)| *word);
-        layers.chain(SIGN_KINDS.iter().chain(FACILITY_KINDS).chain(LANE_TAGS).copied()).collect()
+        layers
+            .chain(SIGN_KINDS.iter().chain(FACILITY_KINDS).chain(LANE_TAGS).copied())
+            .chain([BUS_LANES])
+            .collect()
     }
 
     /// Adds the layer or kind of a word of [`Self::words`].

@@ -375,7 +375,7 @@ fn buildings_signs_and_ramps_come_from_what_sumo_has() {
     let signs: Vec<_> = map.signs.iter().map(|s| (s.kind.as_str(), s.position.x, s.value)).collect();
     assert_eq!(signs, [("speed_limit", 80.0, Some(13.89)), ("stop", 95.0, None)]);
     assert_eq!(map.signs[0].lane_ids, ["main_0"]);
-    assert_eq!(map.complete_for, ["acceleration", "ramp", "roundabout", "traffic_light"]);
+    assert_eq!(map.complete_for, ["acceleration", "bus_lane", "ramp", "roundabout", "traffic_light"]);
     let count = report.tables.iter().find(|t| t.table == "shapes").unwrap();
     assert_eq!((count.read, count.set_aside["scenery"]), (6, 2));
 

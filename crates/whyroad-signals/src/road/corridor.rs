@@ -1,9 +1,9 @@
 //! A lane continued along a route: ahead through the successors that the actor takes (else the straightest), behind
 //! through the lanes from which it came. One line with the widths to both edges.
 
-use crate::geometry::{P2, Polyline, wrap};
+use crate::geometry::{P2, Polyline};
 use crate::road::lanes::LanePlace;
-use crate::road::network::{LaneShape, Road};
+use crate::road::network::Road;
 
 /// Length of a corridor ahead of its lane's start, in addition to the lane's own length, m.
 pub const AHEAD_M: f64 = 160.0;
@@ -22,13 +22,8 @@ pub struct Corridor {
     base_start: f64,
 }
 
-/// Absolute change of direction of a lane from its start to its end, rad.
-fn turn_of(lane: &LaneShape) -> f64 {
-    wrap(lane.center.heading_at(lane.center.length()) - lane.center.heading_at(0.0)).abs()
-}
-
-/// The continuation: one on the route, else one beside the route, else the straightest.
-fn choose(road: &Road, options: &[usize], route: &[usize]) -> Option<usize> {
+/// The continuation of `last`, one of `options`: one on the route, else one beside the route, else the straightest.
+fn choose(road: &Road, last: usize, options: &[usize], route: &[usize]) -> Option<usize> {
     let rank = |&i: &usize| {
         let beside = road.lanes[i].neighbors.iter().flatten().any(|n| route.contains(n));
         let order = if route.contains(&i) {
@@ -38,7 +33,7 @@ fn choose(road: &Road, options: &[usize], route: &[usize]) -> Option<usize> {
         } else {
             20.0
         };
-        order + turn_of(&road.lanes[i])
+        order + road.turn_of(i, last)
     };
     options.iter().copied().min_by(|a, b| rank(a).total_cmp(&rank(b)))
 }
@@ -50,7 +45,8 @@ impl Corridor {
         let mut reach = 0.0;
         // The lane itself may be shorter than the required length ahead of any position on it.
         while reach < AHEAD_M {
-            let Some(next) = choose(road, &road.lanes[*chain.last()?].successors, route) else { break };
+            let last = *chain.last()?;
+            let Some(next) = choose(road, last, &road.lanes[last].successors, route) else { break };
             reach += road.lanes[next].center.length();
             chain.push(next);
         }
@@ -58,7 +54,7 @@ impl Corridor {
         let mut reach = 0.0;
         while reach < BEHIND_M {
             let last = behind.last().copied().unwrap_or(base);
-            let Some(previous) = choose(road, &road.lanes[last].predecessors, route) else { break };
+            let Some(previous) = choose(road, last, &road.lanes[last].predecessors, route) else { break };
             reach += road.lanes[previous].center.length();
             behind.push(previous);
         }

@@ -11,10 +11,11 @@ use crate::table::TableBuilder;
 use std::collections::BTreeSet;
 use whyroad_model::Tri;
 use whyroad_model::catalog::{
-    id,
+    Flag, PerFrame, Signal, id,
     value::{EgoMovement, MapLaneKind, MapLaneTurns, MapLeftLane, MapLeftMark},
 };
 use whyroad_model::road_map::{Lane, LaneKind, LaneMark, TurnKind};
+use whyroad_model::vocabulary::BUS_LANES;
 
 /// Limits that differ by less are equal: 30 km/h is written as 8.33 or 8.34 m/s.
 const SAME_LIMIT_MPS: f64 = 0.1;
@@ -118,12 +119,6 @@ pub fn turns_ahead(on: &OnRoad<'_>, way: &Way, front: f64, reach: f64) -> Option
 }
 
 fn kind_value(lane: &Lane) -> MapLaneKind {
-    if lane.is_tagged("tidal") {
-        return MapLaneKind::Tidal;
-    }
-    if lane.is_tagged("variable") {
-        return MapLaneKind::Variable;
-    }
     match lane.kind {
         LaneKind::Vehicle => MapLaneKind::Vehicle,
         LaneKind::Bus => MapLaneKind::Bus,
@@ -248,11 +243,27 @@ pub fn write_marked(on: &OnRoad<'_>, channels: &Channels<'_>, table: &mut TableB
     table.flag(id::MAP_LANE_MARKED, on.flags(drawn));
 }
 
-/// Writes `map.lane_kind`, `lane_turns`, `left_mark`, `right_mark`, `left_lane`, `right_lane`, `on_guidance` and the
+/// Writes whether the ego's lane is one of those of `kind`; leaves it unavailable where the map does not tell them.
+fn write_special(
+    on: &OnRoad<'_>,
+    table: &mut TableBuilder<'_>,
+    (id, kind): (Signal<PerFrame, Flag>, &str),
+    is_special: impl Fn(&Lane) -> bool,
+) {
+    if on.map.tells_all(kind) || on.map.lanes.iter().any(&is_special) {
+        let own = |i: usize| on.own_lane(i).map_or(Tri::Unknown, |lane| Tri::from(is_special(lane)));
+        table.flag(id, on.flags(own));
+    }
+}
+
+/// Writes `map.bus_lane`, `tidal_lane`, `variable_lane`, `lane_kind`, `lane_turns`, `left_mark`, `right_mark`, `left_lane`, `right_lane`, `on_guidance` and the
 /// limits.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     write_limits(on, table);
     let frames = || 0..on.frames();
+    write_special(on, table, (id::MAP_BUS_LANE, BUS_LANES), |lane| lane.kind == LaneKind::Bus);
+    write_special(on, table, (id::MAP_TIDAL_LANE, "tidal"), |lane| lane.is_tagged("tidal"));
+    write_special(on, table, (id::MAP_VARIABLE_LANE, "variable"), |lane| lane.is_tagged("variable"));
     table.category(id::MAP_LANE_KIND, frames().map(|i| on.own_lane(i).map(kind_value)));
     table.category(id::MAP_LEFT_MARK, frames().map(|i| on.own_lane(i).and_then(|l| mark_value(l.left_mark))));
     table.category(

@@ -2,7 +2,7 @@
 //! index over the lanes. Frame: world, plane.
 
 use crate::geometry::{BoxGrid, P2, Polygon, Polyline, p2, wrap};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use whyroad_model::road_map::{Area, Lane, LaneKind, Point3, RoadMap, STRAIGHT_OVER_RAD};
 
 /// Half width of a lane whose source states neither edges nor width, m: half of 3.5 m.
@@ -41,6 +41,8 @@ pub struct LaneShape {
     pub neighbors: [Option<usize>; 2],
 }
 
+/// Pieces of one way through a junction that are followed.
+const MOST_PIECES: usize = 8;
 /// Above this half of the range of its directions a lane winds, rad.
 const MOST_BENT_RAD: f64 = 1.2;
 
@@ -165,6 +167,26 @@ fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
 }
 
 impl Road {
+    /// How far a lane is from the straightest way on for a vehicle that comes from `from`: absolute change of direction,
+    /// rad, from its start to its end or, in a junction, to the end of the last piece of one way there (maps split ways
+    /// where vehicles wait); a full turn more for lanes in which it may not drive.
+    pub fn turn_of(&self, lane: usize, from: usize) -> f64 {
+        let mut last = &self.lanes[lane];
+        for _ in 0..MOST_PIECES {
+            let [next] = last.successors[..] else { break };
+            if !last.in_junction || !self.lanes[next].in_junction {
+                break;
+            }
+            last = &self.lanes[next];
+        }
+        let turn = last.center.heading_at(last.center.length()) - self.lanes[lane].center.heading_at(0.0);
+        let no_cars = |lane: usize| {
+            matches!(self.lanes[lane].kind, LaneKind::Bike | LaneKind::Sidewalk | LaneKind::Shoulder)
+        };
+        let is_closed = no_cars(lane) && !no_cars(from);
+        wrap(turn).abs() + if is_closed { TAU } else { 0.0 }
+    }
+
     /// From the scene table. Lanes without a center line and links to missing lanes are left out (ingest reports them).
     pub fn new(map: &RoadMap) -> Self {
         let usable: Vec<(&Lane, LaneShape)> = map.lanes.iter().filter_map(|l| Some((l, shape(l)?))).collect();

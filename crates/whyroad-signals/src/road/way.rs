@@ -2,7 +2,6 @@
 //! adjacent ones, else the straightest. Where a lane ends and its neighbor continues, the way continues there. A
 //! corridor (`corridor.rs`) stays in one lane; the way follows the road.
 
-use crate::geometry::wrap;
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::Road;
 
@@ -31,14 +30,8 @@ pub struct Way {
     pub ends: bool,
 }
 
-/// Absolute change of direction of a lane from its start to its end, rad.
-fn turn_of(road: &Road, lane: usize) -> f64 {
-    let line = &road.lanes[lane].center;
-    wrap(line.heading_at(line.length()) - line.heading_at(0.0)).abs()
-}
-
-/// The one of `options` to take: the first on the later route, else the first beside it, else the straightest.
-fn choose(road: &Road, options: &[usize], coming: &[usize]) -> Option<usize> {
+/// The one of the lanes after `last` to take: the first on the later route, else the first beside it, else the straightest.
+fn choose(road: &Road, last: usize, coming: &[usize]) -> Option<usize> {
     let rank = |&lane: &usize| {
         let on = coming.iter().position(|&l| l == lane);
         let beside =
@@ -46,12 +39,12 @@ fn choose(road: &Road, options: &[usize], coming: &[usize]) -> Option<usize> {
         match (on, on.map_or_else(beside, |_| None)) {
             (Some(k), _) => (0, k, 0.0),
             (None, Some(k)) => (1, k, 0.0),
-            (None, None) => (2, 0, turn_of(road, lane)),
+            (None, None) => (2, 0, road.turn_of(lane, last)),
         }
     };
     let order =
         |a: &(u8, usize, f64), b: &(u8, usize, f64)| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2));
-    options.iter().copied().min_by(|a, b| order(&rank(a), &rank(b)))
+    road.lanes[last].successors.iter().copied().min_by(|a, b| order(&rank(a), &rank(b)))
 }
 
 /// Lanes of the same direction beside `lane`, nearest first, left before right; not `lane` itself.
@@ -77,7 +70,7 @@ impl Way {
         let mut steps = vec![Step { lane, from: 0.0, to: length(lane), hopped: false }];
         let far_enough = length(lane) + REACH_M;
         while let Some(&last) = steps.last().filter(|s| s.to < far_enough) {
-            let onward = |lane: usize| choose(road, &road.lanes[lane].successors, coming);
+            let onward = |lane: usize| choose(road, lane, coming);
             let own = onward(last.lane);
             let found = own.or_else(|| beside(road, last.lane).into_iter().find_map(onward));
             let Some(next) = found else { return Self { steps, ends: true } };

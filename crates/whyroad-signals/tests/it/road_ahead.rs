@@ -257,6 +257,12 @@ fn limits_kinds_and_marks_are_the_maps() {
     assert_eq!((t.ego_flag("map.lane_marked", 50), t.ego_flag("map.lane_marked", 120)), (True, Unknown));
     assert_eq!(t.ego_category("map.left_mark", 120), None, "not stated is not unmarked");
     assert_eq!(t.ego_category("map.lane_kind", 50), Some("vehicle"));
+    // A map with a bus lane tells bus lanes; nothing tells tidal and variable ones.
+    assert_eq!(t.ego_flag("map.bus_lane", 50), False);
+    assert!(
+        !t.0.frame_columns.contains_key("map.tidal_lane")
+            && !t.0.frame_columns.contains_key("map.variable_lane")
+    );
     // The left lane's left neighbor is the oncoming one.
     let mut d = drive(100, |t| (10.0 * t, 3.5, 0.0));
     d.map = Some(road());
@@ -366,4 +372,46 @@ fn a_weaving_lane_is_the_ramps_for_who_joins_or_leaves_by_it() {
     assert!(joins.is_none() && leaves.is_some_and(|(a, b)| a > 230 && b < 270), "{joins:?} {leaves:?}");
     assert_eq!(changes(&side), (None, None), "it never was on the main road");
     assert_eq!(changes(&|x| 3.5 - over(x, 60.0) + over(x, 200.0)), (None, None), "it never was on a ramp");
+}
+
+/// Whoever stands before a junction when the log ends goes straight on, as far as anybody knows: not into a turn whose
+/// first piece is straight (SUMO splits turns where vehicles wait), nor into a bicycle lane that is straighter.
+#[test]
+fn a_way_that_is_not_driven_any_more_goes_straight_on() {
+    let way = |id: &str, line: &[(f64, f64)], kind: LaneKind, in_junction: bool| Lane {
+        kind,
+        in_junction,
+        ..lane(id, line, 3.5)
+    };
+    let mut lanes = vec![
+        way("in", &[(-100.0, 0.0), (-50.0, 0.0), (0.0, 0.0)], LaneKind::Vehicle, false),
+        way("cycle", &[(0.0, 0.0), (16.0, 0.0)], LaneKind::Bike, true),
+        way("cycles_left", &[(16.0, 0.0), (20.0, 4.0), (20.0, 60.0)], LaneKind::Bike, false),
+        way("right_1", &[(0.0, 0.0), (1.8, 0.0)], LaneKind::Vehicle, true),
+        way("right_2", &[(1.8, 0.0), (6.0, -2.0), (8.0, -6.0)], LaneKind::Vehicle, true),
+        way("south", &[(8.0, -6.0), (8.0, -80.0)], LaneKind::Vehicle, false),
+        // Straight on is 0.4 m aside.
+        way("straight", &[(0.0, 0.0), (8.0, 0.1), (16.0, 0.4)], LaneKind::Vehicle, true),
+        way("east", &[(16.0, 0.4), (100.0, 0.4)], LaneKind::Vehicle, false),
+    ];
+    for (from, to) in [
+        ("in", "cycle"),
+        ("cycle", "cycles_left"),
+        ("in", "right_1"),
+        ("right_1", "right_2"),
+        ("right_2", "south"),
+        ("in", "straight"),
+        ("straight", "east"),
+    ] {
+        link(&mut lanes, from, to);
+    }
+    let mut d = drive(50, |_| (-6.0, 0.0, 0.0));
+    d.map = Some(map(lanes));
+    // Somebody who crosses the road to the south, 5 m behind its begin, and one on the road to the east.
+    add(&mut d, "south", Pedestrian, (0.5, 0.5), |t| (4.0 + t, -11.0, 0.0));
+    car(&mut d, "east", |_| (40.0, 0.4, 0.0));
+    let t = Table::of(&d);
+    near(t.num("east", "target.path_lateral", 20), 0.0, 0.5);
+    assert!(t.num("south", "target.path_lateral", 20).abs() > 9.0);
+    assert!(t.ego("map.curvature_ahead", 20) < 0.02, "{}", t.ego("map.curvature_ahead", 20));
 }

@@ -158,6 +158,25 @@ fn explain_prints_json() {
     }
 }
 
+/// SUMO writes no weather, and by its FCD the ego drives faster than 18 m/s from 24 s to 34 s, slower at 20 s, 22 s and
+/// 36 s. The clip begins at 20 s.
+#[test]
+fn what_a_log_does_not_tell_is_undecided() {
+    let lake = lake();
+    let explain = |rule: &str| {
+        let args = ["explain", "--lake", text(lake.path()), "--clip", "multilane-ego_001", "--rule", rule];
+        let run = whyroad_in(&root(), &[&args[..], &["--format", "json"]].concat());
+        serde_json::from_str::<serde_json::Value>(&run.out).unwrap()
+    };
+    let open = explain("context.weather == rain and ego.speed > 18 m/s");
+    assert_eq!((&open["outcome"], &open["matched"]), (&"undecided".into(), &false.into()), "{open:#}");
+    let seconds = open["seconds"].as_f64().unwrap();
+    assert!((2.0..=16.0).contains(&seconds), "{seconds}");
+    // At 50 m/s it never drives, whatever the weather.
+    let never = explain("context.weather == rain and ego.speed > 50 m/s");
+    assert_eq!(never["outcome"], "not_together", "{never:#}");
+}
+
 #[test]
 fn a_rule_in_one_line_is_mined() {
     let (lake, out) = (lake(), tempfile::tempdir().unwrap());

@@ -15,6 +15,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, HashMap};
 use whyroad_model::RoadMap;
 use whyroad_model::road_map::{Area, Lane, LaneKind, LaneMark, LayerState, MapLayer, Point3};
+use whyroad_model::vocabulary::BUS_LANES;
 
 /// A link to a lane that is not there is put down to the map's border when the lane ends this near to it, m.
 const BORDER_M: f64 = 25.0;
@@ -146,8 +147,9 @@ fn reading(
     r.map.lanes.sort_by(|a, b| a.id.cmp(&b.id));
     r.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));
     r.map.drivable_areas.sort_by(|a, b| a.id.cmp(&b.id));
-    // AV2's maps have all lanes, crossings and paint around a drive; limits, lights, stop lines and ramps they never
-    // have.
+    // AV2's maps have all lanes, crossings and paint around a drive, and say which lanes are for buses; limits, lights,
+    // stop lines and ramps they never have.
+    r.map.complete_for.push(BUS_LANES.to_owned());
     let complete = [
         MapLayer::Connections,
         MapLayer::Junctions,

@@ -19,6 +19,7 @@ use whyroad_model::RoadMap;
 use whyroad_model::road_map::{
     Area, Facility, Lane, LaneKind, LayerState, MapLayer, Point3, StopLine, TurnKind,
 };
+use whyroad_model::vocabulary::BUS_LANES;
 
 /// SUMO's width of a lane that states none, m.
 const DEFAULT_WIDTH_M: f64 = 3.2;
@@ -307,9 +308,10 @@ fn assemble(raw: Raw, net: &mut Net) {
         },
     ));
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
-    // netconvert marks every roundabout that it finds; a network has all ramps, acceleration lanes and lights that its
-    // vehicles use.
-    net.map.complete_for = ["acceleration", "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
+    // netconvert marks every roundabout that it finds; a network has all ramps, acceleration lanes, bus lanes and lights
+    // that its vehicles use.
+    net.map.complete_for =
+        ["acceleration", BUS_LANES, "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
     net.map.lanes = lanes.into_values().collect();
     net.map.crosswalks = crossings;
     net.map.crosswalks.sort_by(|a, b| a.id.cmp(&b.id));

@@ -171,16 +171,16 @@ fn a_turn_that_follows_at_once_is_a_decision_whose_cause_is_the_indicator_or_uno
 
 #[test]
 fn a_reserved_lane_is_the_one_that_the_ego_is_in_or_goes_to() {
-    let tidal = |kind: &str| {
+    let tidal = |is_tidal: bool| {
         draft_of("reactive_rule.special_lane.tidal_lane", |s| {
-            s.frame_columns.insert("map.lane_kind".into(), category(&[kind], vec![0; fixture::FRAMES]));
+            flag(s, "map.tidal_lane", is_tidal);
             let codes = (0..fixture::FRAMES).map(|f| u16::from(f > 50)).collect();
             s.frame_columns.insert("ego.lane_change".into(), category(&["none", "left"], codes));
         })
         .label
         .coc_trace
     };
-    let (leaves, enters) = (tidal("tidal"), tidal("vehicle"));
+    let (leaves, enters) = (tidal(true), tidal(false));
     assert!(leaves.contains("自车所在的车道是潮汐车道") && leaves.contains("相遇"), "{leaves}");
     assert!(enters.contains("旁边的车道是潮汐车道") && !enters.contains("相遇"), "{enters}");
 }

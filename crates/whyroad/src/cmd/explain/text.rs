@@ -129,6 +129,9 @@ fn outcome_en(shown: &Shown<'_>) -> String {
         Outcome::NotTogether => {
             format!("does not match: its conditions never held together, nearest at {at}")
         }
+        Outcome::Undecided if e.moment.is_some() => {
+            format!("cannot be decided in this clip: at {at} no condition is known to fail")
+        }
         Outcome::Undecided => "cannot be decided in this clip".to_owned(),
         Outcome::NoCandidate => "no object in this clip can be its target".to_owned(),
     }
@@ -156,6 +159,9 @@ fn outcome_zh(shown: &Shown<'_>) -> String {
             format!("不匹配：条件在 {at} 同时成立{lasted}")
         }
         Outcome::NotTogether => format!("不匹配：条件从未同时成立，最接近处在 {at}"),
+        Outcome::Undecided if e.moment.is_some() => {
+            format!("在此片段中无法判定：在 {at} 没有已知不成立的条件")
+        }
         Outcome::Undecided => "在此片段中无法判定".to_owned(),
         Outcome::NoCandidate => "此片段中没有可作目标的对象".to_owned(),
     }

@@ -181,18 +181,25 @@ impl Results<'_> {
     }
 
     fn not_observable(&self, gaps: &[&LeafCoverage]) -> String {
-        let classes = gaps.len();
+        let nowhere = gaps.iter().filter(|l| l.drives_searched == 0).count();
+        let parts = [(nowhere, "所有", "any drive"), (gaps.len() - nowhere, "部分", "some drives")];
+        let parts = parts.into_iter().filter(|(classes, ..)| *classes > 0);
         match self.lang {
             Lang::Zh => {
-                format!("{classes} 个类别在部分行程上因缺少信号而不可观测；加 --missing 再次运行可列出")
+                let parts: Vec<String> = parts
+                    .map(|(classes, which, _)| format!("{classes} 个类别在{which}行程上因缺少信号而不可观测"))
+                    .collect();
+                format!("{}；加 --missing 再次运行可列出", parts.join("，"))
             }
-            Lang::En if classes == 1 => {
-                "1 class is not observable on some drives, which lack signals; --missing lists them"
-                    .to_owned()
+            Lang::En => {
+                let parts: Vec<String> = parts
+                    .map(|(classes, _, which)| {
+                        let are = if classes == 1 { "class is" } else { "classes are" };
+                        format!("{classes} {are} not observable on {which}")
+                    })
+                    .collect();
+                format!("{}, for lack of signals; --missing lists them", parts.join(" and "))
             }
-            Lang::En => format!(
-                "{classes} classes are not observable on some drives, which lack signals; --missing lists them"
-            ),
         }
     }
 
