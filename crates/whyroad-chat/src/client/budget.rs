@@ -9,8 +9,8 @@ use whyroad_model::ModelSpent;
 pub struct Budget {
     /// Requests, retries among them.
     pub requests: Option<u64>,
-    /// Tokens of questions and answers together. A request is sent while the count is below this, and while every answer
-    /// has stated its count.
+    /// Tokens of questions and answers together. A request is sent while the count is below this, and while every
+    /// answer has stated its count.
     pub tokens: Option<u64>,
 }
 

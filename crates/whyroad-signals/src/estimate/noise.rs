@@ -122,7 +122,8 @@ const THERE_AND_BACK_MPS2: f64 = 7.0;
 const LAST_STEP_MPS2: f64 = 12.0;
 
 /// True when a vehicle's speed jumps and returns: single rows of a log that is exact otherwise are of another time or
-/// place than they say. The speed is the stated one, which is what is used where it is there; else that of the positions.
+/// place than they say. The speed is the stated one, which is what is used where it is there; else that of the
+/// positions.
 pub fn jumps_and_returns(rows: Rows<'_>) -> bool {
     let along = |i: usize, (x, y): (f64, f64)| {
         let (sin, cos) = rows.heading[i].sin_cos();

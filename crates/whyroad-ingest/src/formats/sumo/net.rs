@@ -308,8 +308,8 @@ fn assemble(raw: Raw, net: &mut Net) {
         },
     ));
     net.map.facilities.sort_by(|a, b| a.id.cmp(&b.id));
-    // netconvert marks every roundabout that it finds; a network has all ramps, acceleration lanes, bus lanes and lights
-    // that its vehicles use.
+    // netconvert marks every roundabout that it finds; a network has all ramps, acceleration lanes, bus lanes and
+    // lights that its vehicles use.
     net.map.complete_for =
         ["acceleration", BUS_LANES, "ramp", "roundabout", "traffic_light"].map(str::to_owned).into();
     net.map.lanes = lanes.into_values().collect();
