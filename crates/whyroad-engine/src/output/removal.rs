@@ -5,7 +5,7 @@
 //! Counts in `coverage.json` of classes that were not requested still include episodes of the removed drives, which the
 //! folder does not list.
 
-use super::result::{Answer, Question};
+use super::result::{Answer, Question, by_signals};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -174,19 +174,12 @@ fn question_of(message: &MiningResultMessage) -> Question {
 
 /// The rows of a result, from the coverage without the drives.
 fn blind(rows: &[NotObservable], coverage: &Coverage) -> Vec<NotObservable> {
-    let all = || coverage.leaves.iter().chain(&coverage.unresolved);
-    let row = |of: &NotObservable| {
-        let leaf = all().find(|l| l.scenario_id == of.scenario_id)?;
-        let drives: BTreeSet<&DriveId> = leaf.gaps.iter().flat_map(|g| &g.drives).collect();
-        let signals: BTreeSet<String> =
-            leaf.gaps.iter().flat_map(|g| g.missing_signals.iter().cloned()).collect();
-        (!drives.is_empty()).then(|| NotObservable {
-            scenario_id: of.scenario_id.clone(),
-            drives: drives.into_iter().cloned().collect::<Vec<_>>().into(),
-            missing_signals: signals.into_iter().collect(),
-        })
-    };
-    rows.iter().filter_map(row).collect()
+    let classes: BTreeSet<&ScenarioId> = rows.iter().map(|row| &row.scenario_id).collect();
+    let left =
+        coverage.leaves.iter().chain(&coverage.unresolved).filter(|l| classes.contains(&l.scenario_id));
+    let mut left: Vec<&LeafCoverage> = left.collect();
+    left.sort_by(|a, b| a.scenario_id.cmp(&b.scenario_id));
+    left.into_iter().flat_map(|l| by_signals(&l.scenario_id, &l.gaps)).collect()
 }
 
 /// Coverage without the drives; `removed` counts their episodes and the primary ones among them.

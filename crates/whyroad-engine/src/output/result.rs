@@ -6,14 +6,14 @@ use super::coverage::ClassGaps;
 use serde::ser::{Error as _, SerializeSeq, Serializer};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use whyroad_lake::mined::LineSpan;
+use whyroad_model::ScenarioId;
 use whyroad_model::messages::{
     DriveGap, EpisodeRecord, MinedClip, MinedKeyframe, MiningStatistics, NotObservable,
 };
-use whyroad_model::{DriveId, ScenarioId};
 
 /// A question: a `mining_result` is written for each.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -232,21 +232,15 @@ fn tenth(score: f64) -> String {
 }
 
 fn not_observable(gaps: &ClassGaps, scenario: &ScenarioId) -> Vec<NotObservable> {
-    let row = |(scenario_id, gaps): (&ScenarioId, &Vec<DriveGap>)| {
-        let signals: BTreeSet<String> = gaps.iter().flat_map(|g| g.missing_signals.iter().cloned()).collect();
-        let drives = match &gaps[..] {
-            [one] => one.drives.clone(),
-            several => {
-                let drives: BTreeSet<&DriveId> = several.iter().flat_map(|g| &g.drives).collect();
-                drives.into_iter().cloned().collect::<Vec<_>>().into()
-            }
-        };
-        NotObservable {
-            scenario_id: scenario_id.clone(),
-            drives,
-            missing_signals: signals.into_iter().collect(),
-        }
-    };
     // In the order of the classes.
-    gaps.iter().filter(|(id, _)| id.is_within(scenario)).map(row).collect()
+    gaps.iter().filter(|(id, _)| id.is_within(scenario)).flat_map(|(id, gaps)| by_signals(id, gaps)).collect()
+}
+
+/// One row for the drives that lack the same signals.
+pub(super) fn by_signals(scenario_id: &ScenarioId, gaps: &[DriveGap]) -> impl Iterator<Item = NotObservable> {
+    gaps.iter().map(|gap| NotObservable {
+        scenario_id: scenario_id.clone(),
+        drives: gap.drives.clone(),
+        missing_signals: gap.missing_signals.clone(),
+    })
 }
