@@ -211,13 +211,16 @@ pub(crate) fn put(p: &mut Prediction, target: Target, classes: &[String], row: &
 }
 
 fn target_model(train: &[Row], val: &[Row], target: Target, settings: Settings) -> TargetModel {
-    let classes: BTreeSet<&str> = train.iter().map(|r| r.truth.class(target)).collect();
+    let classes: BTreeSet<&str> = train.iter().filter_map(|r| r.truth.class(target)).collect();
     let classes: Vec<String> = classes.into_iter().map(str::to_owned).collect();
     let problem = Problem::new(train.iter().collect(), target, &classes);
     let boosted = Boosted::fit(&problem, settings);
     // A class that is absent from training cannot be used for calibration.
-    let known: Vec<Row> =
-        val.iter().filter(|r| classes.iter().any(|c| c == r.truth.class(target))).cloned().collect();
+    let known: Vec<Row> = val
+        .iter()
+        .filter(|r| r.truth.class(target).is_some_and(|class| classes.iter().any(|c| c == class)))
+        .cloned()
+        .collect();
     let held_out = Problem::new(known.iter().collect(), target, &classes);
     let temperature = temperature(&boosted.probabilities(&known), &held_out.labels);
     TargetModel {

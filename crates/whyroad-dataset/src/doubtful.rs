@@ -47,19 +47,22 @@ pub struct DoubtfulLabels {
 /// name has probability 0; samples without probabilities are left out and reported.
 pub fn find(truth: &[Truth], predictions: &Predictions, target: Target) -> (DoubtfulLabels, Vec<Diagnostic>) {
     let of = |t: &Truth| predictions.of(&t.sample_id).and_then(|p| p.probabilities.get(&target)).cloned();
-    let rows: Vec<(&Truth, BTreeMap<String, f64>)> = truth.iter().filter_map(|t| Some((t, of(t)?))).collect();
+    // Nothing can be doubted about a class that is unknown.
+    let known: Vec<(&Truth, &str)> = truth.iter().filter_map(|t| Some((t, t.class(target)?))).collect();
+    let rows: Vec<(&Truth, &str, BTreeMap<String, f64>)> =
+        known.iter().filter_map(|(t, class)| Some((*t, *class, of(t)?))).collect();
     let mut index: BTreeMap<&str, usize> = BTreeMap::new();
-    for (t, by) in &rows {
-        for class in by.keys().map(String::as_str).chain([t.class(target)]) {
+    for (_, given, by) in &rows {
+        for class in by.keys().map(String::as_str).chain([*given]) {
             index.insert(class, 0);
         }
     }
     index.values_mut().enumerate().for_each(|(i, at)| *at = i);
     let names: Vec<&str> = index.keys().copied().collect();
-    let labels: Vec<usize> = rows.iter().map(|(t, _)| index[t.class(target)]).collect();
+    let labels: Vec<usize> = rows.iter().map(|(_, given, _)| index[given]).collect();
     let probabilities: Vec<Vec<f64>> = rows
         .iter()
-        .map(|(_, by)| names.iter().map(|n| by.get(*n).copied().unwrap_or(0.0)).collect())
+        .map(|(_, _, by)| names.iter().map(|n| by.get(*n).copied().unwrap_or(0.0)).collect())
         .collect();
     let issues = confident::find_label_issues(&labels, &probabilities);
     let doubtful = issues.ranked.iter().map(|&i| {
@@ -80,7 +83,7 @@ pub fn find(truth: &[Truth], predictions: &Predictions, target: Target) -> (Doub
         noise: (!rows.is_empty()).then(|| off as f64 / rows.len() as f64),
         labels: doubtful.collect(),
     };
-    let missing = truth.len() - rows.len();
+    let missing = known.len() - rows.len();
     let lost = (missing > 0).then(|| {
         let name = target.name();
         Diagnostic::warning(

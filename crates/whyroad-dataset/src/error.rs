@@ -48,6 +48,7 @@ pub const CODES: &[&str] = &[
     "score.sample.unknown",
     "score.sample.missing",
     "score.trajectory.short",
+    "score.decision.unknown",
 ];
 
 /// A command that could not be done at all.

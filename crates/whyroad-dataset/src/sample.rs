@@ -85,6 +85,14 @@ pub struct Sample {
     pub rejected: Vec<Rejected>,
 }
 
+impl Sample {
+    /// False for a text of another tool (`whyroad labels import`), whose decision is unknown: no change of decision is a
+    /// decision, too, but it has a cause, and such a text has none.
+    pub fn states_decision(&self) -> bool {
+        self.longitudinal.is_some() || self.lateral.is_some() || !self.components.is_empty()
+    }
+}
+
 /// A label version that was returned.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rejected {

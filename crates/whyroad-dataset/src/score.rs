@@ -121,6 +121,7 @@ pub fn score_truth(
     let rows: Vec<figures::Row<'_>> =
         truth.iter().map(|t| figures::Row::of(t, predictions.of(&t.sample_id))).collect();
     found.extend(short_trajectories(&rows));
+    found.extend(unknown_decisions(truth));
     let targets: Vec<Target> =
         Target::ALL.into_iter().filter(|t| predictions.rows().any(|p| p.class(*t).is_some())).collect();
     let drawn = |rows: &[&figures::Row<'_>]| figures::of(rows, &targets, options);
@@ -185,6 +186,25 @@ fn unmatched(truth: &[Truth], predictions: &Predictions, split: SplitName) -> Ve
         ));
     }
     out
+}
+
+/// Samples whose decision is unknown.
+fn unknown_decisions(truth: &[Truth]) -> Option<Diagnostic> {
+    let unknown: Vec<&str> = truth
+        .iter()
+        .filter(|t| t.class(Target::Longitudinal).is_none())
+        .map(|t| t.sample_id.as_str())
+        .collect();
+    let (first, n) = (unknown.first()?, unknown.len());
+    Some(Diagnostic::warning(
+        "score.decision.unknown",
+        Bilingual::new(
+            format!("{n} 个样本的决策未知，例如 {first}；它们不计入决策的指标"),
+            format!(
+                "the decision of {n} samples is unknown, such as {first}; they are not in the figures of decisions"
+            ),
+        ),
+    ))
 }
 
 /// Trajectories that end before the sample's future does.

@@ -2,8 +2,20 @@
 //! list, reported where they stand. What a mapping says is defined by each adapter.
 
 use whyroad_model::suggest::{did_you_mean, suggestion};
-use whyroad_model::yaml::{FileReport, Node};
+use whyroad_model::yaml::{FileReport, FormCodes, Node};
 use whyroad_model::{Bilingual, Diagnostic, ObjectClass};
+
+/// Reads the text of a mapping file with `mapping`; with an error there is no mapping.
+pub(crate) fn read<T>(
+    (file, text): (&str, &str),
+    form: &'static FormCodes,
+    mapping: impl FnOnce(&Node, &mut FileReport) -> Option<T>,
+) -> (Option<T>, Vec<Diagnostic>) {
+    let mut report = FileReport::new(file, text, form);
+    let mapping = report.parse(text).and_then(|root| mapping(&root, &mut report));
+    let sound = report.diagnostics.is_empty();
+    (mapping.filter(|_| sound), report.diagnostics)
+}
 
 /// A finite number.
 pub(crate) fn number(node: &Node, report: &mut FileReport) -> Option<f64> {

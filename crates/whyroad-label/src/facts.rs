@@ -6,8 +6,9 @@ mod revision;
 
 pub use revision::{Revision, revision};
 
+use crate::episode_of::is_made;
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 use whyroad_model::label_fields::pointer;
 use whyroad_model::{DriveId, Nanos, ScenarioId};
@@ -106,6 +107,23 @@ impl TaskFacts {
     pub fn is_accepted(&self) -> bool {
         !self.superseded && self.stage == LabelStage::Accepted
     }
+}
+
+/// The tasks with one episode for each moment and class: a task of a label that was imported without its episode is of
+/// the known episode of its moment, a mined one, else the first of those made from a label.
+pub fn with_known_episodes(tasks: &[TaskFacts]) -> Vec<TaskFacts> {
+    let mut known: BTreeMap<(&DriveId, &ScenarioId, Nanos), &str> = BTreeMap::new();
+    for t in tasks {
+        let held = known.entry((&t.drive, &t.scenario, t.keyframe)).or_insert(&t.episode);
+        if (is_made(&t.episode), t.episode.as_str()) < (is_made(held), *held) {
+            *held = &t.episode;
+        }
+    }
+    let episode = |t: &TaskFacts| match known.get(&(&t.drive, &t.scenario, t.keyframe)) {
+        Some(known) if is_made(&t.episode) => (*known).to_owned(),
+        _ => t.episode.clone(),
+    };
+    tasks.iter().map(|t| TaskFacts { episode: episode(t), ..t.clone() }).collect()
 }
 
 /// Episodes on the way to an accepted label: with an unfinished task, and without an accepted label. Several people may

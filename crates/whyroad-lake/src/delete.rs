@@ -1,7 +1,7 @@
 //! Removing a drive from a lake: its tables, stored signals, findings and copied camera images.
 
 use crate::lake::remove_dir;
-use crate::{Lake, LakeError, packs};
+use crate::{Lake, LakeError, leftovers, packs};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -42,7 +42,7 @@ impl Lake {
     fn remove_folders(&self, id: &DriveId) -> Result<(), LakeError> {
         let dir = self.checked_dir(id)?;
         if dir.exists() {
-            let gone = self.aside(id, "gone");
+            let gone = self.aside(id, "gone")?;
             remove_dir(&gone)?;
             let _lock = packs::replacing(self.dir())?;
             fs::rename(&dir, &gone).map_err(LakeError::io(&dir))?;
@@ -57,14 +57,18 @@ impl Lake {
     /// The drive's folder, its images, and temporary folders of processes for it (`.new-<pid>-<id>` and the like).
     fn folders_of(&self, id: &DriveId) -> Result<Vec<PathBuf>, LakeError> {
         let dir = self.checked_dir(id)?;
-        let drives = self.dir().join("drives");
         let aside = |name: &str| {
             let parts = name.strip_prefix('.').and_then(|n| n.strip_suffix(id.as_str())?.strip_suffix('-'));
             parts.and_then(|p| p.rsplit_once('-')).is_some_and(|(_, pid)| pid.parse::<u32>().is_ok())
         };
-        let entries = fs::read_dir(&drives).map_err(LakeError::io(&drives))?.flatten();
-        let mut found: Vec<PathBuf> =
-            entries.filter(|e| aside(&e.file_name().to_string_lossy())).map(|e| e.path()).collect();
+        let mut found = Vec::new();
+        for folder in leftovers::FOLDERS.map(|name| self.dir().join(name)) {
+            let entries = match fs::read_dir(&folder) {
+                Err(e) if e.kind() == std::io::ErrorKind::NotFound => continue,
+                entries => entries.map_err(LakeError::io(&folder))?.flatten(),
+            };
+            found.extend(entries.filter(|e| aside(&e.file_name().to_string_lossy())).map(|e| e.path()));
+        }
         found.extend([dir, self.media_dir().join(id.as_str())].into_iter().filter(|p| p.exists()));
         found.sort();
         Ok(found)
@@ -80,9 +84,14 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let lake = Lake::create_or_open(dir.path()).unwrap();
         let at = |p: &str| dir.path().join(p);
-        let gone =
-            ["drives/d1", "drives/.new-7-d1", "drives/.found.json-8-d1", "drives/.gone-9-d1", "media/d1"];
-        let kept = ["drives/d11", "drives/x-d1", "drives/.new-7-x-d1", "drives/.new-7-d11", "media/d11"];
+        let gone = [
+            "drives/d1",
+            "unfinished/.new-7-d1",
+            "unfinished/.found.json-8-d1",
+            "drives/.gone-9-d1",
+            "media/d1",
+        ];
+        let kept = ["drives/d11", "drives/x-d1", "unfinished/.new-7-x-d1", "drives/.new-7-d11", "media/d11"];
         for path in gone.iter().chain(&kept) {
             fs::create_dir_all(at(path)).unwrap();
             fs::write(at(path).join("t"), "x").unwrap();

@@ -66,9 +66,9 @@ impl Lake {
             let target = self.drive_dir(id).join(name);
             fs::rename(aside, &target).map_err(LakeError::io(&target))
         };
-        let table = self.aside(id, "clips.parquet");
+        let table = self.aside(id, "clips.parquet")?;
         file::write_table(&table, clips::to_table(&listed), clips::ROW_ORDER)?;
-        let json = self.aside(id, MANIFEST);
+        let json = self.aside(id, MANIFEST)?;
         write_json(&json, &manifest)?;
         let _lock = packs::changing(self.dir())?;
         put("clips.parquet", &table)?;

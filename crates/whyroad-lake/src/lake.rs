@@ -111,7 +111,7 @@ impl Lake {
 
     /// Removes what killed processes left, once for this lake and its copies.
     pub(crate) fn remove_leftovers(&self) {
-        self.tidied.call_once(|| leftovers::remove(&self.dir.join("drives")));
+        self.tidied.call_once(|| leftovers::remove(&self.dir));
     }
 
     /// Opens the lake for writing, making an empty one if it does not exist. Partial writes of a killed process are
@@ -175,10 +175,10 @@ impl Lake {
                 fs::create_dir_all(dir.join("drives")).map_err(LakeError::io(dir))?
             }
             Ok((lake, version)) if LAYOUTS.contains(&version) => {
-                leftovers::remove(&lake.dir.join("drives"));
+                leftovers::remove(&lake.dir);
                 return Self::open_folder(dir);
             }
-            Ok((lake, older)) if older < LAKE_VERSION => leftovers::remove(&lake.dir.join("drives")),
+            Ok((lake, older)) if older < LAKE_VERSION => leftovers::remove(&lake.dir),
             Ok(_) => return Self::open_folder(dir),
             Err(e) => return Err(e),
         }
@@ -241,7 +241,7 @@ impl Lake {
         // Folders first: a drive that is being packed is in the catalog before its folder is gone.
         for entry in fs::read_dir(self.dir.join("drives")).into_iter().flatten().flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            // A name with a leading dot is a drive being written.
+            // A name with a leading dot is what an older version left of a drive being written.
             if !name.starts_with('.') {
                 loose.push(DriveId(name));
             }
@@ -381,7 +381,7 @@ impl Lake {
         if is_same() && self.read_drive(id).is_ok() {
             return Ok(WriteOutcome::Unchanged);
         }
-        let (fresh, old) = (self.aside(id, "new"), self.aside(id, "old"));
+        let (fresh, old) = (self.aside(id, "new")?, self.aside(id, "old")?);
         for leftover in [&fresh, &old] {
             remove_dir(leftover)?;
         }

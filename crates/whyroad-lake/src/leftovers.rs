@@ -1,6 +1,6 @@
 //! What a killed process left partly written (`.new-<pid>-<drive>`, `.signals.<n>-<pid>-<drive>`, files such as
-//! `.found.json-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet removed (`.gone-<pid>-<drive>`)
-//! among the drives.
+//! `.found.json-<pid>-<drive>`), moved aside (`.old-<pid>-<drive>`) or had not yet removed (`.gone-<pid>-<drive>`),
+//! in a folder beside the drives: among them, it would be read by other tools' patterns (`drives/*/tracks.parquet`).
 
 use std::fs;
 use std::path::Path;
@@ -10,21 +10,26 @@ use std::time::{Duration, SystemTime};
 /// container, whose processes cannot be seen from here.
 const QUIET: Duration = Duration::from_secs(600);
 
+/// The folder beside `drives` that has what is being written; it need not exist.
+pub(crate) const UNFINISHED: &str = "unfinished";
+/// Where leftovers are: earlier builds wrote among the drives.
+pub(crate) const FOLDERS: [&str; 2] = [UNFINISHED, "drives"];
+
 /// Removes half-written drives, signals and files whose process is gone. A drive that was moved aside for a replacement
 /// that was never completed is restored. Where processes cannot be looked up (no `/proc`) nothing is done; what cannot
 /// be removed stays, as it harms no reader.
-pub(crate) fn remove(drives: &Path) {
+pub(crate) fn remove(lake: &Path) {
     if !Path::new("/proc/self").exists() {
         return;
     }
-    for entry in fs::read_dir(drives).into_iter().flatten().flatten() {
+    for entry in FOLDERS.iter().flat_map(|name| fs::read_dir(lake.join(name))).flatten().flatten() {
         let name = entry.file_name();
         let Some((kind, pid, drive)) = name.to_str().and_then(parts) else { continue };
         let path = entry.path();
         if Path::new("/proc").join(pid.to_string()).exists() || !is_quiet(&path) {
             continue;
         }
-        let target = drives.join(drive);
+        let target = lake.join("drives").join(drive);
         let _ = match kind {
             // A drive that is in a pack, too, is restored as a loose one, which overrides the pack.
             "old" if !target.exists() => fs::rename(&path, &target),
@@ -70,14 +75,16 @@ mod tests {
     fn only_what_a_process_that_is_gone_left_long_ago_is_removed() {
         let dir = tempfile::tempdir().unwrap();
         let drives = Lake::create_or_open(dir.path()).unwrap().dir().join("drives");
+        let unfinished = dir.path().join("unfinished");
+        fs::create_dir(&unfinished).unwrap();
         // A process that has ended and been waited for: its id names no process.
         let mut child = std::process::Command::new("true").spawn().unwrap();
         let gone = child.id();
         child.wait().unwrap();
         let here = std::process::id();
         let make = |name: String, minutes: u64| -> PathBuf {
-            let path = drives.join(name);
-            fs::create_dir(&path).unwrap();
+            let path = unfinished.join(name);
+            fs::create_dir_all(&path).unwrap();
             fs::write(path.join("tracks.parquet"), "half").unwrap();
             File::open(&path).unwrap().set_modified(long_ago(minutes)).unwrap();
             path
@@ -87,16 +94,18 @@ mod tests {
             make(format!(".signals-{here}-a-drive"), 60),
             make(format!(".signals-{gone}-recent"), 1),
             make(format!(".new-{gone}-recent"), 1),
-            make("a-drive".into(), 60),
+            make("../drives/a-drive".into(), 60),
             make(".new-x-b".into(), 60),
             // Somebody's own, although it has the form.
             make(format!(".backup-{gone}-11-30"), 60),
         ];
-        let file = drives.join(format!(".found.json-{gone}-a-drive"));
+        let file = unfinished.join(format!(".found.json-{gone}-a-drive"));
         fs::write(&file, "half").unwrap();
         File::options().append(true).open(&file).unwrap().set_modified(long_ago(60)).unwrap();
         let removed = [
             make(format!(".new-{gone}-b-c"), 60),
+            // Of an earlier build.
+            make(format!("../drives/.new-{gone}-b-c"), 60),
             make(format!(".old-{gone}-a-drive"), 60),
             make(format!(".signals-{gone}-a-drive"), 60),
             file,

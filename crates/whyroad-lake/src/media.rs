@@ -31,14 +31,14 @@ impl Lake {
         let mut manifest = self.manifest(id)?;
         let mut sorted = frames.to_vec();
         sorted.sort_by(|a, b| (&a.camera, a.time).cmp(&(&b.camera, b.time)));
-        let (target, fresh) = (self.drive_dir(id).join("media.parquet"), self.aside(id, "media.parquet"));
+        let (target, fresh) = (self.drive_dir(id).join("media.parquet"), self.aside(id, "media.parquet")?);
         let rows = file::write_table(&fresh, states::media_to_table(&sorted), states::MEDIA_ORDER)
             .inspect_err(|_| {
                 // The error that made it fail is the one to report.
                 let _ = fs::remove_file(&fresh);
             })?;
         let state = |manifest: &crate::manifest::DriveManifest| {
-            let aside = self.aside(id, MANIFEST);
+            let aside = self.aside(id, MANIFEST)?;
             write_json(&aside, manifest)?;
             let path = self.drive_dir(id).join(MANIFEST);
             fs::rename(&aside, &path).map_err(LakeError::io(&path))

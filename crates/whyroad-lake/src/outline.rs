@@ -4,7 +4,7 @@ use crate::lake::{Lake, remove_dir};
 use crate::packs::{self, Place};
 use crate::signals::{SignalFile, write_signals};
 use crate::tables::{frames, states};
-use crate::{LakeError, clips};
+use crate::{LakeError, clips, leftovers};
 use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -97,7 +97,7 @@ impl Lake {
         self.remove_leftovers();
         let hash = self.manifest(id)?.meta.content_hash;
         let what = format!("signals.{}", CALLS.fetch_add(1, Ordering::Relaxed));
-        let (target, fresh) = (self.signals_dir(id), self.aside(id, &what));
+        let (target, fresh) = (self.signals_dir(id), self.aside(id, &what)?);
         let write = || {
             remove_dir(&fresh)?;
             fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
@@ -146,7 +146,7 @@ impl Lake {
     pub fn write_note(&self, id: &DriveId, name: &str, content: &[u8]) -> Result<(), LakeError> {
         self.remove_leftovers();
         self.manifest(id)?;
-        let (target, fresh) = (self.drive_dir(id).join(name), self.aside(id, name));
+        let (target, fresh) = (self.drive_dir(id).join(name), self.aside(id, name)?);
         let write = || {
             fs::write(&fresh, content).map_err(LakeError::io(&fresh))?;
             let _lock = self.lock_folder(id)?;
@@ -157,8 +157,10 @@ impl Lake {
         })
     }
 
-    /// A name that no reader treats as a drive, on the same file system.
-    pub(crate) fn aside(&self, id: &DriveId, what: &str) -> PathBuf {
-        self.dir().join("drives").join(format!(".{what}-{}-{id}", std::process::id()))
+    /// A path outside of the drives, so that no reader's pattern finds it, on the same file system.
+    pub(crate) fn aside(&self, id: &DriveId, what: &str) -> Result<PathBuf, LakeError> {
+        let dir = self.dir().join(leftovers::UNFINISHED);
+        fs::create_dir_all(&dir).map_err(LakeError::io(&dir))?;
+        Ok(dir.join(format!(".{what}-{}-{id}", std::process::id())))
     }
 }

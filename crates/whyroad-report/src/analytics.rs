@@ -35,6 +35,7 @@ pub use text::render_text;
 use serde::Serialize;
 use unseen::Estimate;
 use whyroad_framework::Framework;
+use whyroad_label::facts::with_known_episodes;
 use whyroad_model::{Nanos, ScenarioId};
 
 /// Additional driving that outlooks assume, h.
@@ -123,6 +124,8 @@ pub struct LeafOutlook {
 impl Analytics {
     /// Makes the model.
     pub fn new(framework: &Framework, inputs: &AnalyticsInputs<'_>) -> Self {
+        let tasks = inputs.tasks.map(with_known_episodes);
+        let inputs = &AnalyticsInputs { tasks: tasks.as_deref(), ..*inputs };
         let as_of = inputs.as_of.or_else(|| inputs.tasks.and_then(progress::last_entry));
         let unseen = inputs.mined.map(|m| unseen_of(framework, m));
         let stages = stages::rows(framework, inputs);

@@ -39,7 +39,7 @@ pub fn compare(
         reliability(rows.iter().zip(&predicted).filter_map(|(row, p)| {
             let class = p.class(target)?;
             let stated = *p.probabilities.get(&target)?.get(class)?;
-            Some((stated, class == row.truth.class(target)))
+            Some((stated, class == row.truth.class(target)?))
         }))
     };
     let reliability = Target::ALL.map(|t| (t, of(t))).into();

@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// training rows lack has probability 0 there. With fewer drives than folds, one fold per drive; with a single drive,
 /// no probabilities.
 pub fn out_of_fold(rows: &[Row], target: Target, folds: usize, settings: Settings) -> Predictions {
-    let classes: BTreeSet<&str> = rows.iter().map(|r| r.truth.class(target)).collect();
+    let classes: BTreeSet<&str> = rows.iter().filter_map(|r| r.truth.class(target)).collect();
     let classes: Vec<String> = classes.into_iter().map(str::to_owned).collect();
     let fold_of = assign(rows, folds, settings.seed);
     let folds: BTreeSet<usize> = fold_of.values().copied().collect();

@@ -23,7 +23,8 @@ pub struct Problem<'a> {
 impl<'a> Problem<'a> {
     /// Rows whose class is not among `classes` must have been left out before.
     pub fn new(rows: Vec<&'a Row>, target: Target, classes: &[String]) -> Self {
-        let index = |r: &&Row| classes.iter().position(|c| c == r.truth.class(target));
+        let index =
+            |r: &&Row| r.truth.class(target).and_then(|class| classes.iter().position(|c| c == class));
         let (rows, labels) = rows.into_iter().filter_map(|r| Some((r, index(&r)?))).unzip();
         Self { rows, labels, classes: classes.len() }
     }

@@ -64,7 +64,7 @@ fn samples_get_names_and_those_without_probabilities_are_reported() {
             sample_id: format!("s{i}"),
             drive: "d".into(),
             // The sixth label is wrong.
-            longitudinal: if i < 3 || i == 5 { "resume" } else { "yield_to_agent" }.into(),
+            longitudinal: Some(if i < 3 || i == 5 { "resume" } else { "yield_to_agent" }.into()),
             ..Truth::default()
         })
         .collect();

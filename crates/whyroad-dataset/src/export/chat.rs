@@ -11,12 +11,6 @@ use whyroad_framework::Framework;
 use whyroad_model::Lang;
 use whyroad_model::decision::{Lateral, LateralDirection, Longitudinal};
 
-/// False for a text of another tool (`whyroad labels import`), whose decision is unknown: no change of decision is a
-/// decision, too, but it has a cause, and such a text has none.
-fn states_decision(s: &Sample) -> bool {
-    s.longitudinal.is_some() || s.lateral.is_some() || !s.components.is_empty()
-}
-
 /// Beginnings of what trainers read as an image, a video, a sound or a control token, wherever it is in a text.
 const TAGS: [&str; 4] = ["<image>", "<video>", "<audio>", "<|"];
 
@@ -43,7 +37,7 @@ impl Conversation<'_> {
     /// The trace and, where they are known, the decisions: what the model should answer.
     pub fn answer(&self) -> String {
         let s = self.sample;
-        if !states_decision(s) {
+        if !s.states_decision() {
             return self.trace.to_owned();
         }
         let decided = [s.longitudinal.as_deref(), s.lateral.as_deref(), s.lateral_direction.as_deref()];
@@ -125,7 +119,7 @@ fn question(sample: &Sample, lang: Lang) -> String {
         Lang::Zh => {
             parts.extend(speeds.map(|s| format!("自车车速：{s}。")));
             parts.extend(route.map(|r| format!("导航指令：{r}。")));
-            parts.push(if states_decision(sample) {
+            parts.push(if sample.states_decision() {
                 "请说明影响决策的关键因素，并给出自车的纵向与横向决策。".to_owned()
             } else {
                 "请说明影响决策的关键因素。".to_owned()
@@ -134,7 +128,7 @@ fn question(sample: &Sample, lang: Lang) -> String {
         Lang::En => {
             parts.extend(speeds.map(|s| format!("Ego speed: {s}.")));
             parts.extend(route.map(|r| format!("Route: {r}.")));
-            parts.push(if states_decision(sample) {
+            parts.push(if sample.states_decision() {
                 "Explain what matters for the decision, and state the longitudinal and the lateral decision."
                     .to_owned()
             } else {

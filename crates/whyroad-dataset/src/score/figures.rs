@@ -30,8 +30,10 @@ impl<'a> Row<'a> {
         Self { truth, prediction, displacement: trajectory.and_then(|t| displacement(truth, t)) }
     }
 
-    fn right(&self, target: Target) -> bool {
-        self.prediction.and_then(|p| p.class(target)) == Some(self.truth.class(target))
+    /// Whether the prediction is right; `None` where the truth is unknown.
+    fn right(&self, target: Target) -> Option<bool> {
+        let truth = self.truth.class(target)?;
+        Some(self.prediction.and_then(|p| p.class(target)) == Some(truth))
     }
 }
 
@@ -107,8 +109,8 @@ pub(super) fn of(rows: &[&Row<'_>], targets: &[Target], options: Options) -> Fig
         })
     };
     let has = |t: Target| targets.contains(&t);
-    let share = |wanted: bool, right: &dyn Fn(&Row<'_>) -> bool| {
-        wanted.then(|| mean(&|r| Some(f64::from(u8::from(right(r)))))).flatten()
+    let share = |wanted: bool, right: &dyn Fn(&Row<'_>) -> Option<bool>| {
+        wanted.then(|| mean(&|r| right(r).map(|right| f64::from(u8::from(right))))).flatten()
     };
     let both = has(Target::Longitudinal) && has(Target::Lateral);
     Figures {
@@ -116,10 +118,10 @@ pub(super) fn of(rows: &[&Row<'_>], targets: &[Target], options: Options) -> Fig
         predicted: rows.iter().filter(|r| r.prediction.is_some()).count(),
         longitudinal: share(has(Target::Longitudinal), &|r| r.right(Target::Longitudinal)),
         lateral: share(has(Target::Lateral), &|r| r.right(Target::Lateral)),
-        decisions: share(both, &|r| r.right(Target::Longitudinal) && r.right(Target::Lateral)),
+        decisions: share(both, &|r| Some(r.right(Target::Longitudinal)? && r.right(Target::Lateral)?)),
         leaf: share(has(Target::Leaf), &|r| r.right(Target::Leaf)),
         l2: share(has(Target::Leaf), &|r| {
-            r.prediction.and_then(|p| p.class(Target::Leaf)).map(l2) == Some(l2(&r.truth.leaf))
+            Some(r.prediction.and_then(|p| p.class(Target::Leaf)).map(l2) == Some(l2(&r.truth.leaf)))
         }),
         ade_m: mean(&|r| r.displacement.map(|d| d.average_m)),
         fde_m: mean(&|r| r.displacement.map(|d| d.final_m)),
@@ -160,25 +162,25 @@ pub struct ClassCounts {
 /// Samples, predictions and hits by class index.
 type Confusion = Vec<[usize; 3]>;
 
-/// Precision, recall and F1 by class, and macro F1 with its interval.
+/// Precision, recall and F1 by class, and macro F1 with its interval; over the samples whose class is known.
 pub(super) fn classes(rows: &[&Row<'_>], target: Target, options: Options) -> ClassFigures {
+    let rows: Vec<(&str, &Row<'_>)> =
+        rows.iter().filter_map(|r| Some((r.truth.class(target)?, *r))).collect();
     let mut index: BTreeMap<&str, usize> = BTreeMap::new();
-    for row in rows {
+    for (truth, row) in &rows {
         let predicted = row.prediction.and_then(|p| p.class(target));
-        for class in predicted.into_iter().chain([row.truth.class(target)]) {
+        for class in predicted.into_iter().chain([*truth]) {
             let next = index.len();
             index.entry(class).or_insert(next);
         }
     }
     let mut drives: BTreeMap<&str, Confusion> = BTreeMap::new();
-    for row in rows {
+    for (truth, row) in &rows {
         let counts = drives.entry(&row.truth.drive).or_insert_with(|| vec![[0; 3]; index.len()]);
-        counts[index[row.truth.class(target)]][0] += 1;
+        counts[index[truth]][0] += 1;
         if let Some(class) = row.prediction.and_then(|p| p.class(target)) {
             counts[index[class]][1] += 1;
-        }
-        if row.right(target) {
-            counts[index[row.truth.class(target)]][2] += 1;
+            counts[index[truth]][2] += usize::from(class == *truth);
         }
     }
     let parts: Vec<Confusion> = drives.into_values().collect();

@@ -12,8 +12,8 @@ fn truth() -> Vec<Truth> {
         drive: drive.into(),
         place: (i != 3).then(|| "town".to_owned()),
         leaf: leaf.into(),
-        longitudinal: longitudinal.into(),
-        lateral: "lane_keeping".into(),
+        longitudinal: Some(longitudinal.into()),
+        lateral: Some("lane_keeping".into()),
         future: (1..=4).map(|k| [k as f32 * 0.5, k as f32 * 5.0, 0.0]).collect(),
         future_complete: true,
     };
@@ -69,6 +69,32 @@ fn decisions_and_leaf_by_hand() {
     assert_eq!((e.low, e.high), (Some(0.5), Some(1.0)));
     // One drive alone gives no interval.
     assert_eq!(s.by_leaf["a.b.c"].leaf.unwrap().low, None);
+}
+
+#[test]
+fn an_unknown_decision_is_neither_right_nor_wrong() {
+    // As `whyroad labels import` makes it: null decisions, and no component that is their cause.
+    let imported = Truth::of(&crate::Sample { sample_id: "s9".into(), ..crate::Sample::default() });
+    assert_eq!([Target::Longitudinal, Target::Lateral].map(|t| imported.class(t)), [None, None]);
+    let mut truth = truth();
+    truth.push(Truth { drive: "d1".into(), leaf: "a.b.c".into(), ..imported });
+    let rows = [
+        prediction(0, Some("yield_to_agent"), "a.b.c"),
+        prediction(1, Some("yield_to_agent"), "a.b.c"),
+        prediction(2, None, "a.b.d"),
+        prediction(3, None, "x.y.z"),
+        prediction(9, None, "a.b.c"),
+    ];
+    let (s, found) =
+        score_truth("r 1", &truth, &BTreeMap::new(), &Predictions::new(rows), Options::default());
+    // Of the four that are known, s2 is wrong; the class of all five is known.
+    assert_eq!(s.overall.longitudinal.unwrap().value, 0.75);
+    assert_eq!(s.overall.leaf.unwrap().value, 1.0);
+    let none = s.classes[&Target::Longitudinal].by_class[NO_CHANGE];
+    assert_eq!((none.samples, none.predicted, none.right), (1, 2, 1));
+    let left_out: Vec<&str> = found.iter().map(|d| d.code).collect();
+    assert_eq!(left_out, ["score.decision.unknown"]);
+    assert!(found[0].message.en.contains("of 1 sample"), "{}", found[0].message.en);
 }
 
 #[test]

@@ -14,10 +14,10 @@ pub struct Truth {
     pub place: Option<String>,
     /// `scenario_id`.
     pub leaf: String,
-    /// Longitudinal decision or [`NO_CHANGE`].
-    pub longitudinal: String,
-    /// Lateral decision or [`NO_CHANGE`].
-    pub lateral: String,
+    /// Longitudinal decision or [`NO_CHANGE`]; `None` where it is unknown ([`Sample::states_decision`]).
+    pub longitudinal: Option<String>,
+    /// Lateral decision or [`NO_CHANGE`]; `None` where it is unknown.
+    pub lateral: Option<String>,
     /// Future of the ego: seconds from t0, x and y in m. Steps without a pose are left out.
     pub future: Vec<[f32; 3]>,
     /// Every step of the future has a pose.
@@ -27,7 +27,9 @@ pub struct Truth {
 impl Truth {
     /// From a sample.
     pub fn of(sample: &Sample) -> Self {
-        let decision = |d: &Option<String>| d.clone().unwrap_or_else(|| NO_CHANGE.to_owned());
+        let decision = |d: &Option<String>| {
+            sample.states_decision().then(|| d.clone().unwrap_or_else(|| NO_CHANGE.to_owned()))
+        };
         let f = &sample.future;
         let steps = f.t_s.iter().zip(f.x.iter().zip(&f.y));
         let future: Vec<[f32; 3]> = steps.filter_map(|(t, (x, y))| Some([*t, (*x)?, (*y)?])).collect();
@@ -43,12 +45,12 @@ impl Truth {
         }
     }
 
-    /// The right class of a target.
-    pub fn class(&self, target: Target) -> &str {
+    /// The right class of a target; `None` where it is unknown.
+    pub fn class(&self, target: Target) -> Option<&str> {
         match target {
-            Target::Longitudinal => &self.longitudinal,
-            Target::Lateral => &self.lateral,
-            Target::Leaf => &self.leaf,
+            Target::Longitudinal => self.longitudinal.as_deref(),
+            Target::Lateral => self.lateral.as_deref(),
+            Target::Leaf => Some(&self.leaf),
         }
     }
 

@@ -213,7 +213,7 @@ impl Lake {
         }
         let same: Vec<&DriveId> = same.into_iter().map(|(_, id)| id).collect();
         let removed = on_all_cores(&same, |id| -> Result<bool, LakeError> {
-            let (dir, gone) = (self.drive_dir(id), self.aside(id, "gone"));
+            let (dir, gone) = (self.drive_dir(id), self.aside(id, "gone")?);
             {
                 let _lock = lock::replacing(self.dir())?;
                 if fingerprint::folder(&dir).0 != folders[*id].fingerprint {

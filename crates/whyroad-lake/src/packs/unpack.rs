@@ -15,7 +15,7 @@ impl Lake {
             return Ok(());
         }
         let drive = self.read_drive(id)?;
-        let fresh = self.aside(id, "new");
+        let fresh = self.aside(id, "new")?;
         crate::lake::remove_dir(&fresh)?;
         fs::create_dir_all(&fresh).map_err(LakeError::io(&fresh))?;
         write_tables(&fresh, &drive, drive.meta.clone())?;

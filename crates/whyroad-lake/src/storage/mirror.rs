@@ -11,6 +11,7 @@ use super::rebase::{Change, Changes};
 use super::{ObjectVersion, Objects, PutOutcome, in_parallel};
 use crate::LakeError;
 use crate::lake::MANIFEST as DRIVE_JSON;
+use crate::leftovers::UNFINISHED;
 use crate::packs::fingerprint::identity;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -311,8 +312,8 @@ fn found_lake(objects: &dyn Objects) -> Result<(), LakeError> {
     if keeps { Ok(()) } else { Err(LakeError::Unconditional(objects.url())) }
 }
 
-/// The files of a lake's folder by path. A name with a leading dot is one that is being written; images are not among
-/// the files of the manifest.
+/// The files of a lake's folder by path, without what is being written (among packs, a name with a leading dot); images
+/// are not among the files of the manifest.
 pub(super) fn collect(
     dir: &Path,
     prefix: &str,
@@ -321,7 +322,7 @@ pub(super) fn collect(
     for entry in fs::read_dir(dir).map_err(LakeError::io(dir))? {
         let entry = entry.map_err(LakeError::io(dir))?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with('.') || (prefix.is_empty() && name == "media") {
+        if name.starts_with('.') || (prefix.is_empty() && ["media", UNFINISHED].contains(&name.as_str())) {
             continue;
         }
         let path = format!("{prefix}{name}");

@@ -300,11 +300,10 @@ fn lake_of_one(dir: &Path) -> Lake {
     lake
 }
 
-/// Names among the drives that are not drives.
+/// Names of what is being written.
 fn aside(lake: &Lake) -> Vec<String> {
-    let entries = std::fs::read_dir(lake.dir().join("drives")).unwrap();
-    let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
-    names.filter(|name| name.starts_with('.')).collect()
+    let entries = std::fs::read_dir(lake.dir().join("unfinished")).unwrap();
+    entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
 }
 
 #[test]
@@ -332,7 +331,7 @@ fn storing_signals_removes_those_that_killed_processes_left() {
     let mut child = std::process::Command::new("true").spawn().unwrap();
     child.wait().unwrap();
     let make = |pid: u32| {
-        let path = lake.dir().join(format!("drives/.signals-{pid}-d"));
+        let path = lake.dir().join(format!("unfinished/.signals-{pid}-d"));
         std::fs::create_dir(&path).unwrap();
         let an_hour_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(3600);
         std::fs::File::open(&path).unwrap().set_modified(an_hour_ago).unwrap();

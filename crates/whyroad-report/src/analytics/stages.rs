@@ -5,11 +5,10 @@ use super::input::AnalyticsInputs;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_framework::Framework;
-use whyroad_label::episode_of::is_made;
 use whyroad_label::facts::{LabelStage, TaskFacts};
 use whyroad_model::ids::OTHER;
 use whyroad_model::messages::{Coverage, CoverageState};
-use whyroad_model::{Bilingual, DriveId, Nanos, ScenarioId};
+use whyroad_model::{Bilingual, ScenarioId};
 
 /// Counts of a class; `None` where the input of a stage was not given, or the drives cannot show the class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -242,28 +241,11 @@ fn tally(inputs: &AnalyticsInputs<'_>) -> Tally {
     out
 }
 
-/// An episode of each moment and class that has a task: a mined one, else the first of those made from a label.
-fn known(tasks: &[TaskFacts]) -> BTreeMap<(&DriveId, &ScenarioId, Nanos), &str> {
-    let mut out: BTreeMap<_, &str> = BTreeMap::new();
-    for t in tasks {
-        let held = out.entry((&t.drive, &t.scenario, t.keyframe)).or_insert(&t.episode);
-        if (is_made(&t.episode), t.episode.as_str()) < (is_made(held), *held) {
-            *held = &t.episode;
-        }
-    }
-    out
-}
-
 fn tasks(out: &mut Tally, tasks: &[TaskFacts]) {
     // Episodes by stage and class: a set, since several people may label one.
     let mut seen: BTreeMap<LabelStage, BTreeSet<(&ScenarioId, &str)>> = BTreeMap::new();
-    let known = known(tasks);
     for t in tasks {
-        // A task of a label that was imported without its episode is of the known episode of its moment and class.
-        let episode = match is_made(&t.episode) {
-            true => known.get(&(&t.drive, &t.scenario, t.keyframe)).copied().unwrap_or(&t.episode),
-            false => &t.episode,
-        };
+        let episode = t.episode.as_str();
         seen.entry(LabelStage::Waiting).or_default().insert((&t.scenario, episode));
         if t.stage == LabelStage::LeftOut {
             *out.left_out.entry(t.scenario.clone()).or_default() += 1;

@@ -307,6 +307,28 @@ fn what_is_unfinished_are_neither_overruled_labels_nor_copies() {
 }
 
 #[test]
+fn two_imported_labels_of_one_moment_are_one_label_to_finish() {
+    // DATA_FORMAT.md 4: a label is about a keyframe. Two files with a label of the same one need one accepted label.
+    let later =
+        TaskFacts { keyframe: at("2026-01-01T10:00:00Z"), ..task("t3", "label-3", LabelStage::Waiting) };
+    let tasks =
+        [task("t1", "label-1", LabelStage::Labelled), task("t2", "label-2", LabelStage::Waiting), later];
+    let inputs = AnalyticsInputs {
+        mined: None,
+        tasks: Some(&tasks),
+        releases: None,
+        wanted: &BTreeMap::new(),
+        rate: None,
+        as_of: None,
+        utc_offset_h: 0,
+        query: &|_, _| None,
+    };
+    let a = Analytics::new(Framework::bundled(), &inputs);
+    let p = a.progress.unwrap();
+    assert_eq!((p.unfinished, p.finish.basis, p.finish.remaining), (3, FinishBasis::Unfinished, 2));
+}
+
+#[test]
 fn contexts_keep_what_is_not_stated() {
     let a = analytics(true, true);
     let place = |value: Option<&str>| {

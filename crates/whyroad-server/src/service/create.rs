@@ -598,6 +598,12 @@ pub fn store(tx: &mut dyn Tx, mut t: TaskRow, actor: Option<&str>, now: i64) -> 
     if !tasks::insert(tx, &t)? {
         return Ok(false);
     }
+    if t.overlap_count > 1
+        && tasks::group(tx, &t.project, &t.episode.episode_id)?.iter().any(TaskRow::is_chosen)
+    {
+        // A label was chosen before this copy came: it is closed, as the other ones are.
+        t.adjudication = Some("superseded".to_owned());
+    }
     let entry = Entry { action: "create", actor, ..Entry::default() };
     history::record(tx, &mut t, &entry, now)?;
     tasks::update(tx, &t)?;

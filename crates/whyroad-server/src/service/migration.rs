@@ -63,6 +63,13 @@ pub struct UndecidedTask {
     pub rework: bool,
 }
 
+/// Number of tasks of the store by class.
+pub fn classes(store: &Store) -> Answer<BTreeMap<String, u64>> {
+    let rows =
+        store.read(|tx| tx.rows("SELECT scenario_id, count(*) AS n FROM tasks GROUP BY scenario_id", &[]))?;
+    rows.iter().map(|r| Ok((r.text("scenario_id")?, r.int("n")?.unsigned_abs()))).collect()
+}
+
 /// Updates all projects of the store. Repeating it changes nothing.
 pub fn migrate(store: &Store, mapping: &ClassMapping, run: MigrationRun, now: i64) -> Answer<MigratedStore> {
     let mut out = MigratedStore::default();

@@ -177,17 +177,19 @@ pub fn an_added_copy_is_waited_for(world: &World) {
     Work::label(&pair.bob, &pair.ids[1]);
     assert_eq!(pair.to_choose(), two());
     let whole = pair.admin.get(&format!("/projects/{}/export?format=tasks", pair.project)).text();
-    let copy = |index: i64| {
+    let import = |index: i64| {
         let mut line: Value = serde_json::from_str(whole.lines().next().unwrap()).unwrap();
         line["task"]["episode"] = serde_json::to_value(episode("drive1", 1, world.future)).unwrap();
         (line["task"]["overlap_index"], line["task"]["overlap_count"]) = (json!(index), json!(4));
         let import = format!("/projects/{}/import", pair.project);
         let made = pair.admin.call("POST", &import, Some(line.to_string().as_bytes()), &[]).fine();
         assert_eq!(made["tasks"], 1, "{made}");
-        let open = pair.admin.get(&format!("/projects/{}/tasks?state=open", pair.project)).fine();
-        open["items"][0]["id"].as_str().unwrap().to_owned()
     };
-    let third = copy(2);
+    let listed = |filter: &str| {
+        pair.admin.get(&format!("/projects/{}/tasks?{filter}", pair.project)).fine()["items"].clone()
+    };
+    import(2);
+    let third = listed("state=open")[0]["id"].as_str().unwrap().to_owned();
     assert_eq!(pair.to_choose(), none());
     let choose = json!({ "action": "adjudicate" });
     let early = pair.admin.post(&format!("/tasks/{}/actions", pair.ids[0]), &choose);
@@ -195,8 +197,16 @@ pub fn an_added_copy_is_waited_for(world: &World) {
     Work::label(&world.person(&pair.admin, &pair.project, "dee", &["annotator"]), &third);
     assert_eq!(pair.to_choose(), (json!(3), json!(3)));
     pair.act(&third, "adjudicate");
-    // One that comes after the choice changes nothing of it.
-    Work::label(&world.person(&pair.admin, &pair.project, "eli", &["annotator"]), &copy(3));
+    // One that comes after the choice is closed like the copies that were not chosen: nobody has to label it.
+    import(3);
+    assert_eq!(listed("state=open"), json!([]));
+    let all = listed("limit=50");
+    let known = |id: &Value| *id == json!(third) || pair.ids.iter().any(|i| id == i);
+    let late = all.as_array().unwrap().iter().find(|t| !known(&t["id"])).unwrap();
+    assert_eq!(late["adjudication"], "superseded");
+    let eli = world.person(&pair.admin, &pair.project, "eli", &["annotator"]);
+    let path = format!("/tasks/{}/lease", late["id"].as_str().unwrap());
+    assert_eq!(eli.post(&path, &json!({ "action": "take" })).refusal(), (409, "task.superseded".into()));
     assert_eq!(pair.to_choose(), none());
     Work::next(&pair.chen, &pair.project, "check").unwrap().act("accept", &json!({})).fine();
     assert!(Work::next(&pair.chen, &pair.project, "check").is_none());

@@ -18,6 +18,7 @@ use whyroad_lake::Lake;
 use whyroad_model::{Bilingual, Lang};
 use whyroad_server::App;
 use whyroad_server::domain::task::{CreateTasks, Imported, TaskSummary};
+use whyroad_server::domain::workflow::State;
 use whyroad_server::service::create::Drafting;
 use whyroad_server::service::transfer::{self, ExportFormat};
 use whyroad_server::service::{by_state, create, projects, sample_window, tasks};
@@ -266,7 +267,7 @@ fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
         for s in &summaries {
             let who = s.assigned_to.as_ref().or(s.author.as_ref()).map_or("-", String::as_str);
             let (state, class, clip) = (listed_as(s, global.lang), &s.scenario_id, &s.clip_id);
-            let state = format!("{state}{}", " ".repeat(13_usize.saturating_sub(width(state))));
+            let state = format!("{state}{}", " ".repeat(13_usize.saturating_sub(width(&state))));
             let _ = writeln!(out, "{}  {state}  {class:<44}  {clip:<28}  {who}", s.id);
         }
         out
@@ -275,34 +276,21 @@ fn list(global: &Global, a: &List) -> anyhow::Result<ExitCode> {
 }
 
 /// The state of a task in a list; of a label of an overlap group, what became of it in the choice of a lead.
-fn listed_as(s: &TaskSummary, lang: Lang) -> &str {
-    match (s.adjudication.as_deref(), s.to_choose, lang) {
+fn listed_as(s: &TaskSummary, lang: Lang) -> String {
+    let choice = match (s.adjudication.as_deref(), s.to_choose, lang) {
         (Some("superseded"), _, Lang::Zh) => "未采用",
         (Some("superseded"), _, Lang::En) => "not chosen",
         (_, true, Lang::Zh) => "待采用",
         (_, true, Lang::En) => "to choose",
-        _ => state_name(s.state.word(), lang),
-    }
+        _ => return state_name(s.state.word(), lang),
+    };
+    choice.to_owned()
 }
 
-/// A state of a task for people, as the labeling page names it in Chinese.
-pub(super) fn state_name(word: &str, lang: Lang) -> &str {
-    let zh = match word {
-        "open" => "待标注",
-        "stage1" => "阶段一",
-        "stage1_locked" => "阶段一已锁定",
-        "stage2" => "阶段二",
-        "submitted" => "待质检",
-        "in_check" => "质检中",
-        "rework" => "返工",
-        "checked" => "待抽检",
-        "in_audit" => "抽检中",
-        "accepted" => "已接受",
-        "skipped" => "已跳过",
-        "rejected" => "已剔除",
-        other => other,
-    };
-    if lang == Lang::Zh { zh } else { word }
+/// A state of a task for people, as the labeling page names it in Chinese; a word that is no state is as it is.
+pub(super) fn state_name(word: &str, lang: Lang) -> String {
+    let state = State::from_word(word).filter(|_| lang == Lang::Zh);
+    state.map_or_else(|| word.to_owned(), |state| state.name().zh)
 }
 
 /// Tasks by state; in Chinese with the words that `--state` takes.

@@ -346,6 +346,7 @@ fn labels_and_tasks_are_carried_along_by_a_mapping() {
     let nothing = ["taxonomy", "migrate", "mapping.yaml", "--store", "labels", "--format", "json"];
     let json: Value = serde_json::from_str(&fine(out.path(), &nothing).out).unwrap();
     assert_eq!(json["store"]["moved"], serde_json::json!([]));
+    assert_eq!(json["store"]["unknown"], serde_json::json!([]));
     let to = "reactive_agent.cutin.slow";
     let to = if from == to { "reactive_agent.cutin.urgent" } else { to };
     let changes = format!(

@@ -29,12 +29,10 @@ fn outcomes(lake: &Path) -> BTreeMap<String, Value> {
     report.as_array().unwrap().iter().map(one).collect()
 }
 
-/// Folders of the drives that a reader sees.
+/// Folders of the drives that a pattern such as `drives/*/tracks.parquet` finds.
 fn drives(lake: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(lake.join("drives")) else { return Vec::new() };
-    let all = entries.map(|e| e.unwrap().path());
-    let mut seen: Vec<PathBuf> =
-        all.filter(|d| !d.file_name().unwrap().to_str().unwrap().starts_with('.')).collect();
+    let mut seen: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
     seen.sort();
     seen
 }

@@ -1,13 +1,13 @@
 //! The meaning of each topic: from the user's mapping file (`--mapping FILE`), else from message types with a fixed
 //! meaning. The mapping file is documented in `docs/reference/formats.md`.
 
-use crate::mapping_file::{class, number, one_of};
+use crate::mapping_file::{self, class, number, one_of};
 use std::collections::BTreeMap;
 use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node};
 use whyroad_model::{Diagnostic, ObjectClass};
 
 /// Everything that is wrong with a mapping file has one code.
-const FORM: FormCodes = FormCodes {
+static FORM: FormCodes = FormCodes {
     syntax: "mcap.mapping",
     missing: "mcap.mapping",
     unknown: "mcap.mapping",
@@ -121,10 +121,7 @@ pub(super) struct Rule {
 impl Mapping {
     /// Reads the text of a mapping file; with an error there is no mapping.
     pub fn read(file: &str, text: &str) -> (Option<Self>, Vec<Diagnostic>) {
-        let mut report = FileReport::new(file, text, &FORM);
-        let mapping = report.parse(text).and_then(|root| mapping(&root, &mut report));
-        let sound = report.diagnostics.is_empty();
-        (mapping.filter(|_| sound), report.diagnostics)
+        mapping_file::read((file, text), &FORM, mapping)
     }
 }
 

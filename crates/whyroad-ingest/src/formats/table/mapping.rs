@@ -7,7 +7,7 @@ mod units;
 use super::layout::{EGO_KEYS, KEYS, TABLES, columns_of};
 use super::sheet::CsvForm;
 use crate::assemble::class_names::class_of;
-use crate::mapping_file::{class, number, one_of, unknown_word};
+use crate::mapping_file::{self, class, number, one_of, unknown_word};
 pub(super) use axes::{Axes, Headings};
 use std::collections::BTreeMap;
 pub(super) use units::{Dimension, Unit};
@@ -16,7 +16,7 @@ use whyroad_model::yaml::{Fields, FileReport, FormCodes, Node, Value};
 use whyroad_model::{Bilingual, Diagnostic, ObjectClass};
 
 /// Everything that is wrong with a mapping file has one code.
-const FORM: FormCodes = FormCodes {
+static FORM: FormCodes = FormCodes {
     syntax: "table.mapping",
     missing: "table.mapping",
     unknown: "table.mapping",
@@ -82,10 +82,7 @@ pub(super) fn is_same(cell: &str, named: &str) -> bool {
 impl Mapping {
     /// Reads the text of a mapping file; with an error there is no mapping.
     pub fn read(file: &str, text: &str) -> (Option<Self>, Vec<Diagnostic>) {
-        let mut report = FileReport::new(file, text, &FORM);
-        let mapping = report.parse(text).and_then(|root| mapping(&root, &mut report));
-        let sound = report.diagnostics.is_empty();
-        (mapping.filter(|_| sound), report.diagnostics)
+        mapping_file::read((file, text), &FORM, mapping)
     }
 
     /// Our class of a fleet's class name.

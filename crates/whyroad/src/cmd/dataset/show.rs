@@ -144,7 +144,7 @@ fn text(s: &Sample, framework: &Framework, lang: Lang) -> String {
 }
 
 /// A split, a state of a label or a kind of author for people; a word that has no name is as it is.
-fn word(word: &str, lang: Lang) -> &str {
+fn word(word: &str, lang: Lang) -> String {
     let zh = match word {
         "train" => "训练",
         "val" => "验证",
@@ -156,7 +156,7 @@ fn word(word: &str, lang: Lang) -> &str {
         "person" => "人工",
         other => return state_name(other, lang),
     };
-    if lang == Lang::Zh { zh } else { word }
+    if lang == Lang::Zh { zh } else { word }.to_owned()
 }
 
 pub(super) fn diff(global: &Global, a: &DiffArgs) -> anyhow::Result<ExitCode> {

@@ -74,10 +74,13 @@ struct CarriedFile {
 /// All results.
 #[derive(Default)]
 struct Done {
-    store: Option<MigratedStore>,
+    store: Option<(MigratedStore, Unknown)>,
     files: Vec<(PathBuf, CarriedFile)>,
-    releases: Vec<(PathBuf, CarriedRelease)>,
+    releases: Vec<(PathBuf, CarriedRelease, Unknown)>,
 }
+
+/// Classes that neither the mapping nor the taxonomy after it has, and how many tasks or samples have them.
+type Unknown = BTreeMap<String, u64>;
 
 pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
@@ -122,22 +125,27 @@ pub(super) fn run(global: &Global, args: &Args) -> anyhow::Result<ExitCode> {
             std::fs::create_dir_all(out).with_context(|| cannot_make(out.display()))?;
         }
         let carried = carry_release(&release, &mapping, target(dir).as_deref());
-        done.releases.push((
-            dir.clone(),
-            carried.with_context(|| {
-                reason(format!("无法迁移 {}", dir.display()), format!("cannot migrate {}", dir.display()))
-            })?,
-        ));
+        let carried = carried.with_context(|| {
+            reason(format!("无法迁移 {}", dir.display()), format!("cannot migrate {}", dir.display()))
+        })?;
+        let counts = &release.manifest.counts.by_class;
+        let classes =
+            counts.iter().map(|(class, by)| (class.clone(), by.values().sum::<usize>() as u64)).collect();
+        done.releases.push((dir.clone(), carried, forgotten(classes, &mapping, &framework.taxonomy)));
     }
     if let Some(source) = &args.store {
         let store = args.key.open(source, global.lang)?;
         let run = if args.dry_run { MigrationRun::Dry } else { MigrationRun::Write };
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_millis() as i64);
-        let migrated = migration::migrate(&store, &mapping, run, now);
-        done.store = Some(migrated.map_err(|p| crate::store_args::error(&p, global.lang))?);
+        let problem = |p| crate::store_args::error(&p, global.lang);
+        let classes = migration::classes(&store).map_err(problem)?;
+        let migrated = migration::migrate(&store, &mapping, run, now).map_err(problem)?;
+        done.store = Some((migrated, forgotten(classes, &mapping, &framework.taxonomy)));
     }
     let lost = done.files.iter().any(|(_, f)| !f.lost.is_empty());
-    let unknown = done.files.iter().any(|(_, f)| !f.unknown.is_empty());
+    let unknown = done.files.iter().any(|(_, f)| !f.unknown.is_empty())
+        || done.releases.iter().any(|(_, _, unknown)| !unknown.is_empty())
+        || done.store.as_ref().is_some_and(|(_, unknown)| !unknown.is_empty());
     let (data, lang) = (json_of(&done, args.dry_run), global.lang);
     args.print.put(&data, || text_of(&done, args.dry_run, lang))?;
     Ok(match (unknown, lost) {
@@ -238,17 +246,30 @@ fn unknown(value: &Value, after: &Taxonomy) -> Vec<String> {
     let label = value.pointer("/task/draft").unwrap_or(value);
     let listed = label.get(name::SECONDARY_SCENARIOS).and_then(Value::as_array).into_iter().flatten();
     let listed = listed.filter_map(|id| id.as_str()?.parse::<ScenarioId>().ok());
-    let is_unknown = |id: &ScenarioId| {
-        // `other` is a class of every level.
-        let above = match (id.l2.as_deref(), id.l3.as_deref()) {
-            _ if id.l1 == OTHER => return false,
-            (Some(OTHER), _) => ScenarioId { l2: None, l3: None, ..id.clone() },
-            (_, Some(OTHER)) => ScenarioId { l3: None, ..id.clone() },
-            _ => id.clone(),
-        };
-        !after.contains(&above)
+    let all = class_of(label).into_iter().chain(listed);
+    all.filter(|id| is_unknown(id, after)).map(|id| id.to_string()).collect()
+}
+
+fn is_unknown(id: &ScenarioId, after: &Taxonomy) -> bool {
+    // `other` is a class of every level.
+    let above = match (id.l2.as_deref(), id.l3.as_deref()) {
+        _ if id.l1 == OTHER => return false,
+        (Some(OTHER), _) => ScenarioId { l2: None, l3: None, ..id.clone() },
+        (_, Some(OTHER)) => ScenarioId { l3: None, ..id.clone() },
+        _ => id.clone(),
     };
-    class_of(label).into_iter().chain(listed).filter(is_unknown).map(|id| id.to_string()).collect()
+    !after.contains(&above)
+}
+
+/// Of the classes before, those that the mapping forgot: it does not name them, and the taxonomy after does not have
+/// them.
+fn forgotten(classes: Unknown, mapping: &ClassMapping, after: &Taxonomy) -> Unknown {
+    let mut classes = classes;
+    classes.retain(|class, _| {
+        let id: Option<ScenarioId> = class.parse().ok();
+        id.is_some_and(|id| mapping.change(&id).is_none() && is_unknown(&id, after))
+    });
+    classes
 }
 
 /// A label, or a task with its draft and its episode.
@@ -292,9 +313,16 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
             let _ = writeln!(out, "  {}: {n}", t("仅次要类别变化", "only secondary classes changed"));
         }
     };
-    if let Some(s) = &done.store {
+    let not_known = t("映射和分类体系中都没有的类别", "in neither the mapping nor the taxonomy");
+    let unknown = |out: &mut String, of: &Unknown| {
+        for (class, n) in of {
+            let _ = writeln!(out, "  {not_known}: {class}: {n}");
+        }
+    };
+    if let Some((s, forgotten)) = &done.store {
         let _ = writeln!(out, "{}", t("标注服务的存储", "store of the labeling service"));
         moved(&mut out, &s.moved);
+        unknown(&mut out, forgotten);
         only_secondary(&mut out, s.secondary);
         if s.settings > 0 {
             let _ = writeln!(out, "  {}: {}", t("项目设置", "project settings"), s.settings);
@@ -314,8 +342,7 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
         moved(&mut out, &f.moved);
         only_secondary(&mut out, f.secondary);
         for (line, class) in &f.unknown {
-            let what = t("映射和分类体系中都没有的类别", "in neither the mapping nor the taxonomy");
-            let _ = writeln!(out, "    {}:{line}: {what}: {class}", file.display());
+            let _ = writeln!(out, "    {}:{line}: {not_known}: {class}", file.display());
         }
         let _ = writeln!(out, "  {person}: {}", f.undecided.len());
         for (line, from, parts) in &f.undecided {
@@ -326,13 +353,14 @@ fn text_of(done: &Done, dry: bool, lang: Lang) -> String {
             let _ = writeln!(out, "    {}:{line}: {what}", file.display());
         }
     }
-    for (dir, r) in &done.releases {
+    for (dir, r, forgotten) in &done.releases {
         let _ = writeln!(out, "{} ({} {})", dir.display(), r.samples, t("个样本", "samples"));
         for (from, to) in &r.moved {
             for (to, n) in to {
                 let _ = writeln!(out, "  {from} -> {to}: {n}");
             }
         }
+        unknown(&mut out, forgotten);
         only_secondary(&mut out, r.secondary);
         let _ = writeln!(out, "  {person}: {}", r.undecided.len());
         for u in &r.undecided {
@@ -351,10 +379,14 @@ fn json_of(done: &Done, dry: bool) -> Value {
     let moved = |of: &BTreeMap<(String, String), u64>| -> Vec<Value> {
         of.iter().map(|((from, to), n)| json!({ "from": from, "to": to, "count": n })).collect()
     };
+    let unknown = |of: &Unknown| -> Vec<Value> {
+        of.iter().map(|(class, n)| json!({ "class": class, "count": n })).collect()
+    };
     json!({
         "dry_run": dry,
-        "store": done.store.as_ref().map(|s| json!({
+        "store": done.store.as_ref().map(|(s, forgotten)| json!({
             "moved": moved(&s.moved),
+            "unknown": unknown(forgotten),
             "secondary": s.secondary,
             "settings": s.settings,
             "left": s.left.iter().map(|(p, what, class)| json!({ "project": p, "what": what, "class": class }))
@@ -373,10 +405,36 @@ fn json_of(done: &Done, dry: bool) -> Value {
                 .map(|(line, from, parts)| json!({ "line": line, "from": from, "parts": parts }))
                 .collect::<Vec<_>>(),
         })).collect::<Vec<_>>(),
-        "releases": done.releases.iter().map(|(dir, r)| json!({
+        "releases": done.releases.iter().map(|(dir, r, forgotten)| json!({
             "release": dir.display().to_string(), "samples": r.samples, "moved": r.moved,
             "secondary": r.secondary,
+            "unknown": unknown(forgotten),
             "undecided": r.undecided, "repeated": r.repeated,
         })).collect::<Vec<_>>(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A class that was retired without an entry in the mapping is named; those that are there, and `other`, are not.
+    #[test]
+    fn classes_that_the_mapping_forgot_are_named() {
+        let taxonomy = &whyroad_framework::Framework::bundled().taxonomy;
+        let text = TEMPLATE
+            .replace("$VERSION", &taxonomy.version)
+            .replace("changes: []", "changes: [{ rename: old.cutin.slow, to: reactive_agent.cutin.slow }]");
+        let mapping = read_mapping("m.yaml", &text, None, taxonomy).unwrap();
+        let classes = [
+            ("reactive_agent.cutin.slow", 2),
+            ("old.cutin.slow", 5),
+            ("reactive_agent.cutin.retired", 3),
+            ("reactive_agent.cutin.other", 1),
+            ("other", 4),
+        ];
+        let classes = classes.map(|(id, n)| (id.to_owned(), n)).into();
+        let expected: Unknown = [("reactive_agent.cutin.retired".to_owned(), 3)].into();
+        assert_eq!(forgotten(classes, &mapping, taxonomy), expected);
+    }
 }
