@@ -36,8 +36,7 @@ pub fn state(request: &Request, taxonomy: &Taxonomy, rules: &RuleSet) -> String 
     let mut hasher = blake3::Hasher::new();
     let parts = [
         serde_json::to_string(&request).unwrap_or_default(),
-        format!("{:?}", Versions::of(taxonomy, rules)),
-        format!("{:?}", rules.calibration),
+        format!("{:?}", Versions::of(taxonomy, rules, rules)),
         Framework::bundled().signals_yaml.clone(),
         CODE.to_owned(),
     ];

@@ -130,6 +130,24 @@ fn what_is_missing_doubled_changed_or_of_another_version_is_named_and_nothing_is
     copy(&at("parts/2"), &at("again"));
     refused(&["parts", "again"], &["merge.drive.doubled", &second[0], "again"]);
 
+    // One part twice: one line, whatever the number of drives.
+    let twice = whyroad_in(dir.path(), &["merge", "parts", "again", "--out", "merged"]);
+    assert_eq!(twice.err.matches("merge.drive.doubled").count(), 1, "{}", twice.err);
+    assert!(twice.err.contains("work list 2"), "{}", twice.err);
+
+    // The program with another value in a rule.
+    for folder in ["schema", "scenarios"] {
+        copy(&root().join(folder), &at("fw").join(folder));
+    }
+    let file = at("fw/scenarios/reactive_agent/cutin.yaml");
+    let rules = fs::read_to_string(&file).unwrap();
+    let changed = rules.replace("reach_thw: { value: 2 s", "reach_thw: { value: 1 s");
+    assert_ne!(rules, changed);
+    fs::write(&file, changed).unwrap();
+    let other = whyroad_in(dir.path(), &["--framework", "fw", "merge", "parts", "--out", "merged"]);
+    assert!(other.code == 1 && other.err.contains("merge.part.differs"), "{}", other.err);
+    assert!(!at("merged").exists());
+
     // The same part, made by another version of the derivation.
     let work = fs::read_to_string(at("again/work.json")).unwrap();
     let mut other: Value = serde_json::from_str(&work).unwrap();
