@@ -253,11 +253,6 @@ impl Part {
         Ok(work.list.drives.iter().any(|d| drives.contains(&d.drive_id)))
     }
 
-    /// Drives that were set aside, by id.
-    pub fn failed(&self) -> impl Iterator<Item = &Failed> {
-        self.progress.failed.values()
-    }
-
     /// The results of a finished drive.
     pub(super) fn mined(&mut self, span: Span) -> Result<MinedDrive, PartError> {
         let path = self.dir.join(DRIVES);

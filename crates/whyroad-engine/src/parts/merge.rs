@@ -91,7 +91,10 @@ pub fn merge(
     for (id, of_drive) in drives {
         match of_drive.span {
             Some(span) => folder.add(&parts[of_drive.part].mined(span)?)?,
-            None => failed.extend(parts[of_drive.part].failed().find(|f| f.drive_id == id).cloned()),
+            None => {
+                let of_part = parts[of_drive.part].progress.failed.get(&id).cloned();
+                failed.extend(of_part.inspect(|f| folder.leave_out(&f.drive_id, &f.code)));
+            }
         }
     }
     let summary = folder.finish(taxonomy, request.searched)?;

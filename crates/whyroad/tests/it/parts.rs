@@ -192,6 +192,18 @@ fn a_drive_that_cannot_be_read_is_set_aside_and_named() {
         assert!(run.err.contains("mine.drive.unreadable") && run.err.contains("d1"), "{}", run.err);
     }
     same(&dir.path().join("merged"), &dir.path().join("whole"));
+    // Nothing is known about it: the folder says so, and so does the report.
+    let coverage = fs::read(dir.path().join("merged/coverage.json")).unwrap();
+    let coverage: Value = serde_json::from_slice(&coverage).unwrap();
+    let expected = serde_json::json!([{"drive_id": "d1", "code": "mine.drive.unreadable"}]);
+    assert_eq!(coverage["left_out"], expected);
+    copy(&dir.path().join("lake/drives/d2"), &dir.path().join("lake/drives/new"));
+    let args = ["report", "--lake", "lake", "--mined", "merged", "--format", "json"];
+    let report = whyroad_in(dir.path(), &args);
+    let printed: Value = serde_json::from_str(&report.out).unwrap();
+    assert_eq!((&printed["left_out"], &printed["not_mined"]), (&expected, &1.into()));
+    assert_eq!(report.code, 3);
+    assert!(report.err.contains("left_out in coverage.json"), "{}", report.err);
     // A drive that is not in the lake at all is another fault.
     fs::write(dir.path().join("list"), "d0\nnowhere\n").unwrap();
     let part = whyroad_in(dir.path(), &["mine", "--lake", "lake", "--drives", "list", "--out", "other"]);
