@@ -13,7 +13,7 @@ import random
 FRAMES = 30
 ABOUT = """source: tiny
 place: p{place}
-license: Apache-2.0
+licence: Apache-2.0
 start_time: 2026-01-01T00:00:00Z
 ego: {{reference_to_centre_m: 1.4, length_m: 4.6, width_m: 1.9}}
 """

@@ -36,8 +36,7 @@ pub fn state(request: &Request, taxonomy: &Taxonomy, rules: &RuleSet) -> String 
     let mut hasher = blake3::Hasher::new();
     let parts = [
         serde_json::to_string(&request).unwrap_or_default(),
-        format!("{:?}", Versions::of(taxonomy, rules)),
-        format!("{:?}", rules.calibration),
+        format!("{:?}", Versions::of(taxonomy, rules, rules)),
         Framework::bundled().signals_yaml.clone(),
         CODE.to_owned(),
     ];
@@ -65,7 +64,7 @@ pub struct MinedAgain {
 enum Step {
     Same(SameDrive),
     Mined(MinedDrive, KnownDrive),
-    Failed(Box<Diagnostic>),
+    Failed(DriveId, Box<Diagnostic>),
 }
 
 /// Mines every drive of the lake into a folder that keeps a ledger ([`FolderWriter::keep_ledger`]), in the order of
@@ -97,7 +96,8 @@ pub fn mine_into(
             folder.add_same(earlier, same)
         }
         (Step::Mined(drive, known), _) => folder.add_known(&drive, known),
-        (Step::Failed(d), _) => {
+        (Step::Failed(id, d), _) => {
+            folder.leave_out(&id, d.code);
             out.diagnostics.push(*d);
             Ok(())
         }
@@ -118,7 +118,7 @@ fn step(
     let now = fingerprints.of(id).unwrap_or_default();
     let mined = |mined: Result<MinedDrive, Box<Diagnostic>>, stated: Option<String>| match mined {
         Ok(drive) => Step::Mined(drive, KnownDrive { fingerprint: now.clone(), stated }),
-        Err(d) => Step::Failed(d),
+        Err(d) => Step::Failed(id.clone(), d),
     };
     let Some((ledger, at)) = earlier.and_then(|l| Some((l, l.find(id)?))) else {
         let stated = lake.stated(id);

@@ -9,7 +9,6 @@ use crate::options::{OptionSpec, Options};
 use crate::report::{RowCount, SourceReport, counts_text};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Lang, Need};
 
@@ -38,8 +37,8 @@ pub trait Adapter: Sync {
         self.about().name
     }
 
-    /// Sources at or below `path`, sorted.
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>>;
+    /// Sources at or below `path`, sorted. Folders that cannot be listed are passed over; the caller reports them.
+    fn find(&self, path: &Path) -> Vec<Located>;
 
     /// What is wrong with the values of options, before anything is looked for: files that they name. With an error
     /// nothing is read.
@@ -48,7 +47,7 @@ pub trait Adapter: Sync {
     }
 
     /// [`Adapter::find`] where options say what a source is.
-    fn find_with(&self, path: &Path, _options: &Options) -> io::Result<Vec<Located>> {
+    fn find_with(&self, path: &Path, _options: &Options) -> Vec<Located> {
         self.find(path)
     }
 

@@ -2,7 +2,7 @@
 
 use crate::adapter::{AdapterRef, DriveSink, FilesInMemory, Source};
 use crate::formats;
-use crate::leftover;
+use crate::leftover::{self, Below};
 use crate::options::Options;
 use crate::origin::Origin;
 use crate::report::SourceReport;
@@ -13,7 +13,7 @@ use whyroad_model::scene::FRAME_RATE_HZ;
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Severity};
 
 /// Codes of the search for sources.
-pub(crate) const CODES: &[&str] = &["ingest.path.missing", "ingest.path.unreadable", "ingest.nothing_found"];
+pub(crate) const CODES: &[&str] = &["ingest.path.missing", "ingest.nothing_found"];
 
 /// [`find_sources_with`] without options.
 pub fn find_sources(format: Option<AdapterRef>, paths: &[PathBuf]) -> (Vec<Source>, Vec<Diagnostic>) {
@@ -41,20 +41,16 @@ pub fn find_sources_with(
         }
         let before = (sources.len(), problems.len());
         for &adapter in adapters {
-            match adapter.0.find_with(path, options) {
-                Ok(found) => sources.extend(found.into_iter().map(|at| Source {
-                    adapter,
-                    path: at.path,
-                    part: at.part,
-                })),
-                Err(e) => problems.push(unreadable(&label, &e.to_string())),
-            }
+            let found = adapter.0.find_with(path, options).into_iter();
+            sources.extend(found.map(|at| Source { adapter, path: at.path, part: at.part }));
         }
         let mut found = sources.split_off(before.0);
         let all = found.clone();
         problems.extend(leftover::refuse_pointers(&mut found));
+        let below = Below::of(path);
+        problems.extend(leftover::unreadable(path, &below, &all));
         if format.is_none() {
-            problems.extend(leftover::skipped(path, &all, adapters));
+            problems.extend(leftover::skipped(path, &below, &all, adapters));
         }
         let reported = problems[before.1..].iter().any(|d| d.severity == Severity::Error);
         if found.is_empty() && !reported {
@@ -163,14 +159,6 @@ fn not_there(path: &str) -> Diagnostic {
     Diagnostic::error(
         "ingest.path.missing",
         Bilingual::new(format!("{path} 不存在"), format!("{path} does not exist")),
-    )
-    .in_file(path)
-}
-
-fn unreadable(path: &str, reason: &str) -> Diagnostic {
-    Diagnostic::error(
-        "ingest.path.unreadable",
-        Bilingual::new(format!("{path} 无法读取：{reason}"), format!("{path} cannot be read: {reason}")),
     )
     .in_file(path)
 }

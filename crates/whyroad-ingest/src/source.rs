@@ -1,8 +1,8 @@
 //! What all adapters do with a source: find it, name the drive, hash the input, report impossible speeds.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 /// Codes that several adapters use.
@@ -44,58 +44,46 @@ impl ContentHash {
 /// How far below a named folder sources are looked for.
 pub(crate) const SEARCH_DEPTH: usize = 8;
 
+/// What is directly in a folder. Nothing where the folder cannot be listed: what is beside it is still found, and
+/// [`crate::leftover::unreadable`] reports it once for all formats.
+pub(crate) fn entries(dir: &Path) -> impl Iterator<Item = PathBuf> {
+    fs::read_dir(dir).into_iter().flatten().flatten().map(|entry| entry.path())
+}
+
 /// Folders at or below `path` that `is_source` accepts, sorted. What is inside one is not searched.
-pub(crate) fn find_folders(path: &Path, is_source: impl Fn(&Path) -> bool) -> io::Result<Vec<PathBuf>> {
-    fn search(
-        dir: &Path,
-        depth: usize,
-        is_source: &dyn Fn(&Path) -> bool,
-        out: &mut Vec<PathBuf>,
-    ) -> io::Result<()> {
+pub(crate) fn find_folders(path: &Path, is_source: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
+    fn search(dir: &Path, depth: usize, is_source: &dyn Fn(&Path) -> bool, out: &mut Vec<PathBuf>) {
         if is_source(dir) {
             out.push(dir.to_owned());
-            return Ok(());
+        } else if depth > 0 {
+            let folders = entries(dir).filter(|path| path.is_dir());
+            folders.for_each(|path| search(&path, depth - 1, is_source, out));
         }
-        for entry in fs::read_dir(dir)? {
-            let path = entry?.path();
-            if depth > 0 && path.is_dir() {
-                search(&path, depth - 1, is_source, out)?;
-            }
-        }
-        Ok(())
     }
     let mut out = Vec::new();
     if path.is_dir() {
-        search(path, SEARCH_DEPTH, &is_source, &mut out)?;
+        search(path, SEARCH_DEPTH, &is_source, &mut out);
     }
     out.sort();
-    Ok(out)
+    out
 }
 
 /// Files at or below `path` that `is_source` accepts, sorted.
-pub(crate) fn find_files(path: &Path, is_source: impl Fn(&Path) -> bool) -> io::Result<Vec<PathBuf>> {
-    fn search(
-        path: &Path,
-        depth: usize,
-        is_source: &dyn Fn(&Path) -> bool,
-        out: &mut Vec<PathBuf>,
-    ) -> io::Result<()> {
+pub(crate) fn find_files(path: &Path, is_source: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
+    fn search(path: &Path, depth: usize, is_source: &dyn Fn(&Path) -> bool, out: &mut Vec<PathBuf>) {
         if path.is_file() {
             if is_source(path) {
                 out.push(path.to_owned());
             }
         } else if depth > 0 {
-            for entry in fs::read_dir(path)? {
-                search(&entry?.path(), depth - 1, is_source, out)?;
-            }
+            entries(path).for_each(|entry| search(&entry, depth - 1, is_source, out));
         }
-        Ok(())
     }
     let mut out = Vec::new();
     // A file directly in the named folder is one level down already.
-    search(path, SEARCH_DEPTH + 1, &is_source, &mut out)?;
+    search(path, SEARCH_DEPTH + 1, &is_source, &mut out);
     out.sort();
-    Ok(out)
+    out
 }
 
 /// The last part of a path, as text.

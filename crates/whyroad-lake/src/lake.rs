@@ -54,7 +54,9 @@ impl Lake {
                 let url = url?;
                 let mirror = Mirror::open(storage::objects(&url)?)?;
                 let none = || LakeError::NotALake(PathBuf::from(url.to_string()));
-                let mut lake = Self::open_folder(mirror.as_ref().ok_or_else(none)?.dir())?;
+                // A creation that was interrupted has published nothing but the manifest.
+                let named = |e| if matches!(e, LakeError::NotALake(_)) { none() } else { e };
+                let mut lake = Self::open_folder(mirror.as_ref().ok_or_else(none)?.dir()).map_err(named)?;
                 lake.mirror = mirror.map(Arc::new);
                 Ok(lake)
             }

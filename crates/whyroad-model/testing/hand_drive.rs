@@ -190,6 +190,7 @@ pub(crate) fn coverage() -> Coverage {
     Coverage {
         taxonomy_version: "2.0.0".into(),
         drives: vec!["d".into()],
+        left_out: vec![],
         leaves: vec![
             leaf("reactive_agent.cutin.urgent", CoverageState::Found, 1),
             leaf("reactive_agent.cutin.slow", CoverageState::NotFound, 0),

@@ -124,6 +124,7 @@ impl Counts {
         Coverage {
             taxonomy_version: taxonomy.version.clone(),
             drives: self.drives.clone(),
+            left_out: Vec::new(),
             leaves,
             unresolved: upper.map(|(id, count)| self.leaf_coverage(id.clone(), *count, gaps)).collect(),
         }

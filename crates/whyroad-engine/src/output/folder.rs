@@ -16,10 +16,10 @@ use whyroad_lake::mined::{
 };
 use whyroad_mining::rule::{OTHER, Precedence};
 use whyroad_model::messages::{
-    ClipMetadata, ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, PreLabelScenario,
-    PreLabels, ScenarioPreLabelMessage,
+    ClipMetadata, ClipMetadataMessage, Coverage, EpisodeRecord, KeyframeSuggestionMessage, LeftOutDrive,
+    PreLabelScenario, PreLabels, ScenarioPreLabelMessage,
 };
-use whyroad_model::{ClipId, Nanos, ScenarioId};
+use whyroad_model::{ClipId, DriveId, Nanos, ScenarioId};
 
 /// Summary of the written folder.
 #[derive(Clone, Debug)]
@@ -82,6 +82,7 @@ pub struct FolderWriter {
     precedence: Precedence,
     primary: usize,
     examples: BTreeMap<ScenarioId, EpisodeExample>,
+    left_out: Vec<LeftOutDrive>,
     /// Numbers of the gaps of an earlier ledger among the counts.
     numbers: Vec<Option<usize>>,
 }
@@ -157,6 +158,7 @@ impl FolderWriter {
             precedence: precedence.clone(),
             primary: 0,
             examples: BTreeMap::new(),
+            left_out: Vec::new(),
             numbers: Vec::new(),
         })
     }
@@ -166,6 +168,11 @@ impl FolderWriter {
     pub fn add(&mut self, drive: &MinedDrive) -> Result<(), MinedWriteError> {
         self.counts.add(drive);
         self.write(drive)
+    }
+
+    /// Records a drive that could not be searched, in the order of the ids.
+    pub fn leave_out(&mut self, drive_id: &DriveId, code: &str) {
+        self.left_out.push(LeftOutDrive { drive_id: drive_id.clone(), code: code.to_owned() });
     }
 
     /// Also writes a ledger of the drives, by which the next run into the folder knows which of them have changed.
@@ -296,7 +303,8 @@ impl FolderWriter {
         let files = self.files.finish()?;
         let alone = self.answers.len() == 1;
         let gaps = self.counts.gaps();
-        let coverage = self.counts.coverage(taxonomy, searched, &gaps);
+        let left_out = std::mem::take(&mut self.left_out);
+        let coverage = Coverage { left_out, ..self.counts.coverage(taxonomy, searched, &gaps) };
         let result = |answer: &mut Answer| -> Result<(), MinedWriteError> {
             answer.close();
             let episodes = RefCell::new(files.open_episodes()?);

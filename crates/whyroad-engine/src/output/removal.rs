@@ -59,7 +59,7 @@ pub struct HeldDrives {
 /// Contents of the folder from these drives.
 pub fn held(folder: &MinedFolder, drives: &BTreeSet<DriveId>) -> Result<HeldDrives, RemovalError> {
     let mut found: BTreeSet<DriveId> =
-        coverage(folder)?.drives.into_iter().filter(|d| drives.contains(d)).collect();
+        named(coverage(folder)?).into_iter().filter(|d| drives.contains(d)).collect();
     let mut episodes = 0;
     let path = folder.path(MinedFile::Episodes);
     for record in folder.episodes().map_err(|e| unreadable(&path, e))? {
@@ -127,6 +127,12 @@ pub fn remove(folder: &MinedFolder, drives: &BTreeSet<DriveId>) -> Result<HeldDr
     Ok(removed)
 }
 
+/// All drives of a run, searched or not.
+fn named(coverage: Coverage) -> Vec<DriveId> {
+    let left_out = coverage.left_out.into_iter().map(|d| d.drive_id);
+    coverage.drives.into_iter().chain(left_out).collect()
+}
+
 fn coverage(folder: &MinedFolder) -> Result<Coverage, RemovalError> {
     folder.coverage().map_err(|d| unreadable(&folder.path(MinedFile::Coverage), &d.message.en))
 }
@@ -189,6 +195,7 @@ fn without(
     removed: &BTreeMap<ScenarioId, (u64, u64)>,
 ) -> Coverage {
     coverage.drives.retain(|d| !drives.contains(d));
+    coverage.left_out.retain(|d| !drives.contains(&d.drive_id));
     let all = coverage.drives.len() as u64;
     let leaf = |l: &mut LeafCoverage| {
         if l.state == CoverageState::NoRule {

@@ -16,7 +16,6 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use whyroad_framework::Taxonomy;
 use whyroad_mining::RuleSet;
-use whyroad_mining::rule::Precedence;
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 pub(super) const WORK: &str = "work.json";
@@ -68,32 +67,34 @@ pub struct Versions {
     pub signals: String,
     /// Evaluation of rules.
     pub mining: String,
-    /// Hash of the classes and their order of precedence.
+    /// Hash of the classes, their order of precedence and calibration, and the framework's rules.
     pub framework: String,
     /// Hash of the rules that are run.
     pub rules: String,
 }
 
 impl Versions {
-    /// Of this program with this framework and these rules.
-    pub fn of(taxonomy: &Taxonomy, rules: &RuleSet) -> Self {
-        let mut hasher = blake3::Hasher::new();
-        rules.rules.iter().for_each(|rule| {
-            hasher.update(crate::mine::rule_key(rule).as_bytes());
-        });
+    /// Of this program with a framework, all of its rules, and those that are run.
+    pub fn of(taxonomy: &Taxonomy, all: &RuleSet, run: &RuleSet) -> Self {
+        let of_rules = |set: &RuleSet| {
+            let keys: String = set.rules.iter().map(crate::mine::rule_key).collect();
+            blake3::hash(keys.as_bytes()).to_hex()[..32].to_owned()
+        };
+        let text = format!(
+            "{} {:?} {:?} {:?} {}",
+            taxonomy.version,
+            taxonomy.ids(),
+            all.precedence,
+            all.calibration,
+            of_rules(all)
+        );
         Self {
             whyroad: env!("CARGO_PKG_VERSION").to_owned(),
             signals: whyroad_signals::VERSION.to_owned(),
             mining: whyroad_mining::VERSION.to_owned(),
-            framework: Self::framework_of(taxonomy, &rules.precedence),
-            rules: hasher.finalize().to_hex()[..32].to_owned(),
+            framework: blake3::hash(text.as_bytes()).to_hex()[..32].to_owned(),
+            rules: of_rules(run),
         }
-    }
-
-    /// The part of it that merging needs again.
-    pub fn framework_of(taxonomy: &Taxonomy, precedence: &Precedence) -> String {
-        let text = format!("{} {:?} {precedence:?}", taxonomy.version, taxonomy.ids());
-        blake3::hash(text.as_bytes()).to_hex()[..32].to_owned()
     }
 }
 
@@ -250,11 +251,6 @@ impl Part {
     pub fn names_any(dir: &Path, drives: &BTreeSet<DriveId>) -> Result<bool, PartError> {
         let work: Work = read_json(&dir.join(WORK))?;
         Ok(work.list.drives.iter().any(|d| drives.contains(&d.drive_id)))
-    }
-
-    /// Drives that were set aside, by id.
-    pub fn failed(&self) -> impl Iterator<Item = &Failed> {
-        self.progress.failed.values()
     }
 
     /// The results of a finished drive.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use whyroad_framework::Taxonomy;
 use whyroad_lake::Lake;
 use whyroad_lake::mined::{Existing, MinedWriteError, Publication, PublishError};
-use whyroad_mining::rule::Precedence;
+use whyroad_mining::RuleSet;
 use whyroad_model::{Bilingual, Diagnostic, DriveId};
 
 /// Maximum number of drives named in a message.
@@ -49,12 +49,12 @@ pub struct Merged {
     pub failed: Vec<Failed>,
 }
 
-/// Merges parts into the mined folder `out`. Returns diagnostics instead of a result if drives are missing, doubled or
+/// Merges parts into the mined folder `out`, with the framework and all of its rules. Returns diagnostics instead of a result if drives are missing, doubled or
 /// different; then nothing is written. With `replace`, results of another question may be in `out`.
 pub fn merge(
     parts: &[PathBuf],
     expected: Expected<'_>,
-    (taxonomy, precedence): (&Taxonomy, &Precedence),
+    (taxonomy, rules): (&Taxonomy, &RuleSet),
     out: &Path,
     replace: bool,
 ) -> Result<Result<Merged, Vec<Diagnostic>>, MergeError> {
@@ -62,10 +62,10 @@ pub fn merge(
     let Some(first) = parts.first() else {
         return Ok(Err(found));
     };
-    let framework = Versions::framework_of(taxonomy, precedence);
+    let current = Versions::of(taxonomy, rules, rules);
     let work = first.work.clone();
     for part in &parts {
-        found.extend(different(part, &parts[0], &framework));
+        found.extend(not_current(part, &current).or_else(|| different(part, &parts[0])));
     }
     let (drives, doubled) = gather(&parts);
     found.extend(doubled);
@@ -85,13 +85,16 @@ pub fn merge(
         Existing::Replace,
         &request.questions,
         &request.classes,
-        precedence,
+        &rules.precedence,
     )?;
     let mut failed = Vec::new();
     for (id, of_drive) in drives {
         match of_drive.span {
             Some(span) => folder.add(&parts[of_drive.part].mined(span)?)?,
-            None => failed.extend(parts[of_drive.part].failed().find(|f| f.drive_id == id).cloned()),
+            None => {
+                let of_part = parts[of_drive.part].progress.failed.get(&id).cloned();
+                failed.extend(of_part.inspect(|f| folder.leave_out(&f.drive_id, &f.code)));
+            }
         }
     }
     let summary = folder.finish(taxonomy, request.searched)?;
@@ -120,30 +123,52 @@ fn open(dirs: &[PathBuf]) -> (Vec<Part>, Vec<Diagnostic>) {
 
 /// Every drive of the parts, and drives that are in two of them.
 fn gather(parts: &[Part]) -> (BTreeMap<DriveId, InPart>, Vec<Diagnostic>) {
-    let (mut drives, mut found) = (BTreeMap::<DriveId, InPart>::new(), Vec::new());
+    let (mut drives, mut doubles) = (BTreeMap::<DriveId, InPart>::new(), BTreeMap::<_, Vec<&DriveId>>::new());
     for (part, opened) in parts.iter().enumerate() {
         let done = opened.progress.done.iter().map(|(id, (hash, span))| (id, hash.clone(), Some(*span)));
         let failed = opened.progress.failed.keys().map(|id| (id, String::new(), None));
         for (id, content_hash, span) in done.chain(failed) {
             match drives.get(id) {
-                Some(other) => found.push(doubled(id, &parts[other.part].dir, &opened.dir)),
+                Some(other) => doubles.entry((other.part, part)).or_default().push(id),
                 None => {
                     drives.insert(id.clone(), InPart { part, content_hash, span });
                 }
             }
         }
     }
+    let found = doubles.iter().map(|((a, b), ids)| doubled(ids, &parts[*a], &parts[*b])).collect();
     (drives, found)
 }
 
-fn different(part: &Part, first: &Part, framework: &str) -> Option<Diagnostic> {
+/// The merged folder states what this program and its framework would: the parts must have been made by them.
+fn not_current(part: &Part, current: &Versions) -> Option<Diagnostic> {
+    let of_part = &part.work.versions;
+    let program = |v: &Versions| [v.whyroad.clone(), v.signals.clone(), v.mining.clone()];
+    let (zh, en) = if program(of_part) != program(current) {
+        (
+            "由另一版本的程序生成，与合并所用的程序不同",
+            "was made by another version of the program than this one",
+        )
+    } else if of_part.framework != current.framework {
+        (
+            "所用框架（场景类别、规则或校准）与当前框架不同",
+            "was made with another framework (classes, rules or calibration) than the current one",
+        )
+    } else {
+        return None;
+    };
+    let dir = part.dir.display();
+    let message = Bilingual::new(format!("分片 {dir} {zh}"), format!("part {dir} {en}"));
+    let hint = Bilingual::new(
+        "用生成分片的程序和框架合并（--framework），或重新生成该分片",
+        "merge with the program and the framework that made the parts (--framework), or make the part again",
+    );
+    Some(Diagnostic::error("merge.part.differs", message).with_hint(hint))
+}
+
+fn different(part: &Part, first: &Part) -> Option<Diagnostic> {
     let (a, b) = (&part.work, &first.work);
-    let (va, vb) = (&a.versions, &b.versions);
-    let (zh, en) = if va.framework != framework {
-        ("所用框架与当前框架不同", "was made with another framework than the current one")
-    } else if va.whyroad != vb.whyroad || va.signals != vb.signals || va.mining != vb.mining {
-        ("由不同版本的程序生成", "was made by another version of the program")
-    } else if va.rules != vb.rules {
+    let (zh, en) = if a.versions.rules != b.versions.rules {
         ("使用了不同的规则", "was made with other rules")
     } else if a.request != b.request {
         ("回答的是不同的查询", "answers another question, or was made with another --limit or --lang")
@@ -218,27 +243,46 @@ fn against_lake(drives: &BTreeMap<DriveId, InPart>, lake: &Lake) -> Vec<Diagnost
 }
 
 fn missing<'a>(ids: impl Iterator<Item = &'a DriveId>) -> Option<Diagnostic> {
-    let ids: Vec<String> = ids.map(ToString::to_string).collect();
+    let ids: Vec<&DriveId> = ids.collect();
     if ids.is_empty() {
         return None;
     }
-    let more = ids.len().saturating_sub(NAMED);
-    let some = ids[..ids.len() - more].join(", ");
-    let (n, rest) = (ids.len(), if more > 0 { format!(" (+{more})") } else { String::new() });
+    let (n, some) = (ids.len(), some_of(&ids));
     let message = Bilingual::new(
-        format!("{n} 个行程不在任何分片中：{some}{rest}"),
-        format!("{n} drives are in no part: {some}{rest}"),
+        format!("{n} 个行程不在任何分片中：{some}"),
+        format!("{n} drives are in no part: {some}"),
     );
-    Some(Diagnostic::error("merge.drive.missing", message))
+    let hint = Bilingual::new(
+        "给出其余的分片，或先挖掘其余的工作清单",
+        "name the other parts as well, or mine the other work lists first",
+    );
+    Some(Diagnostic::error("merge.drive.missing", message).with_hint(hint))
 }
 
-fn doubled(id: &DriveId, a: &Path, b: &Path) -> Diagnostic {
-    let (a, b) = (a.display(), b.display());
+/// The first of the drives, and the number of the others.
+fn some_of(ids: &[&DriveId]) -> String {
+    let named: Vec<&str> = ids.iter().take(NAMED).map(|id| id.as_str()).collect();
+    let more = ids.len() - named.len();
+    named.join(", ") + &if more > 0 { format!(" (+{more})") } else { String::new() }
+}
+
+fn doubled(ids: &[&DriveId], first: &Part, second: &Part) -> Diagnostic {
+    let (a, b, n, some) = (first.dir.display(), second.dir.display(), ids.len(), some_of(ids));
     let message = Bilingual::new(
-        format!("行程 {id} 同时在分片 {a} 和 {b} 中"),
-        format!("drive {id} is in part {a} and in part {b}"),
+        format!("{n} 个行程同时在分片 {a} 和 {b} 中：{some}"),
+        format!("{n} drives are in part {a} and in part {b}: {some}"),
     );
-    Diagnostic::error("merge.drive.doubled", message)
+    let list = |part: &Part| part.work.list.plan.as_ref().map(|plan| (plan.id.clone(), part.work.list.list));
+    let hint = if list(first).is_some() && list(first) == list(second) {
+        let list = first.work.list.list;
+        Bilingual::new(
+            format!("两者都是第 {list} 个工作清单的分片：只给出其中一个"),
+            format!("both are parts of work list {list}: name one of them"),
+        )
+    } else {
+        Bilingual::new("每个行程只能在一个工作清单中", "a drive may be in one work list only")
+    };
+    Diagnostic::error("merge.drive.doubled", message).with_hint(hint)
 }
 
 fn drive_changed(id: &DriveId) -> Diagnostic {

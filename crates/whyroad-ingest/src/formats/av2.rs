@@ -22,14 +22,16 @@ use crate::encodings::feather;
 use crate::file_reader::{FileReader, finish_map};
 use crate::options::Options;
 use crate::report::SourceReport;
-use crate::source::{ContentHash, SEARCH_DEPTH, file_label, implausible_span, impossible_speeds, resampled};
+use crate::source::{
+    ContentHash, SEARCH_DEPTH, entries, file_label, implausible_span, impossible_speeds, resampled,
+};
 use annotations::{Annotations, Cuboid};
 use ego_box::EgoBox;
 use map_file::{map_file, read_map};
 use pose::PoseTrack;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, MediaFrame, Motion, Track};
 use whyroad_model::{Drive, DriveId, Nanos, Need, TrackId};
 
@@ -56,8 +58,8 @@ impl Adapter for Av2 {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        if path.is_dir() { find_logs(path).map(whole) } else { Ok(Vec::new()) }
+    fn find(&self, path: &Path) -> Vec<Located> {
+        if path.is_dir() { whole(find_logs(path)) } else { Vec::new() }
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
@@ -66,32 +68,29 @@ impl Adapter for Av2 {
 }
 
 /// Log folders at or below `path`, sorted. A folder is a log when it has annotations, poses or a map of its own.
-pub fn find_logs(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
+pub fn find_logs(path: &Path) -> Vec<PathBuf> {
+    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) {
         if is_log(dir) {
             out.push(dir.to_owned());
-            return Ok(());
+            return;
         }
         if depth == 0 {
-            return Ok(());
+            return;
         }
-        for entry in fs::read_dir(dir)? {
-            let path = entry?.path();
-            if path.is_dir() {
-                // A folder that has only the name of a log: an interrupted download. It is reported, not skipped.
-                if is_uuid(&path) && fs::read_dir(&path)?.next().is_none() {
-                    out.push(path);
-                } else {
-                    search(&path, depth - 1, out)?;
-                }
+        // A folder that has only the name of a log: an interrupted download. It is reported, not skipped.
+        let is_empty = |dir: &Path| fs::read_dir(dir).is_ok_and(|mut entries| entries.next().is_none());
+        for path in entries(dir).filter(|path| path.is_dir()) {
+            if is_uuid(&path) && is_empty(&path) {
+                out.push(path);
+            } else {
+                search(&path, depth - 1, out);
             }
         }
-        Ok(())
     }
     let mut out = Vec::new();
-    search(path, SEARCH_DEPTH, &mut out)?;
+    search(path, SEARCH_DEPTH, &mut out);
     out.sort();
-    Ok(out)
+    out
 }
 
 fn is_log(dir: &Path) -> bool {

@@ -24,8 +24,8 @@ use crate::source::{ContentHash, drive_id, file_label, find_folders, implausible
 pub(crate) use findings::CODES;
 use scenario::{EGO, Scenario, class_of};
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference, Track};
 use whyroad_model::{Diagnostic, Drive, Need, RoadMap};
 
@@ -48,8 +48,8 @@ impl Adapter for Av2Motion {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_scenarios(path).map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_scenarios(path))
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
@@ -58,7 +58,7 @@ impl Adapter for Av2Motion {
 }
 
 /// Scenario folders (one with `scenario_*.parquet` in it) at or below `path`, sorted.
-pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
+pub fn find_scenarios(path: &Path) -> Vec<PathBuf> {
     find_folders(path, |dir| scenario_file(dir).is_some())
 }
 

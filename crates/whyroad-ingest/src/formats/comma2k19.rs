@@ -18,11 +18,11 @@ use crate::encodings::can::CanDatabase;
 use crate::encodings::input::Folder;
 use crate::options::{OptionSpec, OptionType, Options, START};
 use crate::report::SourceReport;
-use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span};
+use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, entries, file_label, implausible_span};
 pub(crate) use findings::CODES;
 use recording::{Pose, Recording};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use whyroad_model::scene::{DriveMeta, Ego, FRAME_RATE_HZ, FrameOfReference};
 use whyroad_model::{Bilingual, Drive, Nanos, Need};
 
@@ -53,8 +53,8 @@ impl Adapter for Comma2k19 {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_routes(path).map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_routes(path))
     }
 
     fn why_skipped(&self, file: &Path) -> Option<SkipReason> {
@@ -78,34 +78,32 @@ impl Adapter for Comma2k19 {
 }
 
 /// Routes at or below `path`, sorted: folders whose subfolders are segments, or `path` itself when it is one segment.
-pub fn find_routes(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
-        let folders = folders(dir)?;
+pub fn find_routes(path: &Path) -> Vec<PathBuf> {
+    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) {
+        let folders = folders(dir);
         if folders.iter().any(|p| is_segment(p)) {
             out.push(dir.to_owned());
         } else if depth > 0 {
             for folder in folders {
-                search(&folder, depth - 1, out)?;
+                search(&folder, depth - 1, out);
             }
         }
-        Ok(())
     }
     if is_segment(path) {
-        return Ok(vec![path.to_owned()]);
+        return vec![path.to_owned()];
     }
     let mut out = Vec::new();
     if path.is_dir() {
-        search(path, SEARCH_DEPTH, &mut out)?;
+        search(path, SEARCH_DEPTH, &mut out);
     }
-    Ok(out)
+    out
 }
 
 /// Subfolders in the order of their numbers, then names.
-fn folders(dir: &Path) -> io::Result<Vec<PathBuf>> {
-    let mut folders: Vec<PathBuf> =
-        fs::read_dir(dir)?.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_dir()).collect();
+fn folders(dir: &Path) -> Vec<PathBuf> {
+    let mut folders: Vec<PathBuf> = entries(dir).filter(|p| p.is_dir()).collect();
     folders.sort_by_key(|p| (file_label(p).parse().unwrap_or(u64::MAX), p.clone()));
-    Ok(folders)
+    folders
 }
 
 fn is_segment(dir: &Path) -> bool {
@@ -118,7 +116,7 @@ pub fn read(path: &Path, options: &Options) -> (Option<Drive>, SourceReport) {
     let segments = if is_segment(path) {
         vec![path.to_owned()]
     } else {
-        folders(path).unwrap_or_default().into_iter().filter(|p| is_segment(p)).collect()
+        folders(path).into_iter().filter(|p| is_segment(p)).collect()
     };
     let folders: Vec<Folder<'_>> = segments.iter().map(|s| Folder::Disk(s)).collect();
     let drive = read_route(&folders, &name_of_route(&segments), options, &mut report);

@@ -34,7 +34,6 @@ use mapping::{Frame, Mapping, Role, Rule};
 use rows::{BusRow, EgoRow, ObjectRow, Rows, Stamp};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::scene::{DriveMeta, Ego, Track};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need};
@@ -70,8 +69,8 @@ impl Adapter for Mcap {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_recordings(path).map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_recordings(path))
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
@@ -84,12 +83,12 @@ impl Adapter for Mcap {
 }
 
 /// MCAP files at or below `path`, sorted.
-pub fn find_recordings(path: &Path) -> io::Result<Vec<PathBuf>> {
+pub fn find_recordings(path: &Path) -> Vec<PathBuf> {
     find_by_ending(path, "mcap")
 }
 
 /// Files with this ending (without a dot) at or below `path`, sorted.
-pub(super) fn find_by_ending(path: &Path, ending: &str) -> io::Result<Vec<PathBuf>> {
+pub(super) fn find_by_ending(path: &Path, ending: &str) -> Vec<PathBuf> {
     find_files(path, |file| file.extension().is_some_and(|e| e == ending))
 }
 

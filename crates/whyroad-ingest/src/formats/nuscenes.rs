@@ -23,8 +23,8 @@ use crate::report::{RowCount, SourceReport};
 use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impossible_speeds, resampled};
 use bus::BusReading;
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use tables::{Annotation, SceneTables, TableError};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, EgoBus, GeoPosition, MediaFrame, Motion, Track};
@@ -60,9 +60,9 @@ impl Adapter for NuScenes {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        let scenes = find_scenes(path)?;
-        Ok(scenes.into_iter().map(|(path, index)| Located { path, part: Some(index) }).collect())
+    fn find(&self, path: &Path) -> Vec<Located> {
+        let scenes = find_scenes(path).into_iter();
+        scenes.map(|(path, index)| Located { path, part: Some(index) }).collect()
     }
 
     fn companions(&self, set: &Path) -> Vec<PathBuf> {
@@ -93,18 +93,17 @@ impl Adapter for NuScenes {
 }
 
 /// Scenes at or below `path`: the folder with the tables (`v1.0-mini`, ...) and the scene's place in `scene.json`.
-pub fn find_scenes(path: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
+pub fn find_scenes(path: &Path) -> Vec<(PathBuf, u64)> {
     let is_set = |dir: &Path| {
         ["scene", "sample", "sample_annotation"].iter().all(|t| dir.join(format!("{t}.json")).is_file())
     };
-    let sets = find_folders(path, is_set)?;
     let mut out = Vec::new();
-    for set in sets {
+    for set in find_folders(path, is_set) {
         // A list of scenes that cannot be read is one source, whose reading says why.
         let n = tables::scene_count(Folder::Disk(&set)).unwrap_or(1);
         out.extend((0..n).map(|i| (set.clone(), i)));
     }
-    Ok(out)
+    out
 }
 
 /// Reads one scene. `None` when there is nothing that could be kept; the report says why.

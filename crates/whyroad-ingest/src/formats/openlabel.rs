@@ -22,7 +22,7 @@ use serde_json::Value;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 use systems::{Systems, numbers, quaternion};
 use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, Track};
@@ -53,9 +53,8 @@ impl Adapter for OpenLabel {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_files(path, |file| file.extension().is_some_and(|e| e == "json") && is_openlabel(file))
-            .map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_files(path, |file| file.extension().is_some_and(|e| e == "json") && is_openlabel(file)))
     }
 
     fn why_skipped(&self, file: &Path) -> Option<SkipReason> {

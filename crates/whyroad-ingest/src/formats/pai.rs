@@ -22,7 +22,6 @@ use crate::source::{ContentHash, drive_id, find_folders, implausible_span, impos
 use egomotion::PoseTrack;
 use obstacles::{Obstacles, class_of};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
 use std::path::Path;
 use tree::{Clip, Tree};
 use whyroad_model::scene::{DriveMeta, Ego, Track};
@@ -57,10 +56,10 @@ impl Adapter for PhysicalAiAv {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
+    fn find(&self, path: &Path) -> Vec<Located> {
         let is_tree = |dir: &Path| dir.join(tree::FEATURES).is_file() && dir.join(tree::CLIPS).is_file();
         let mut out = Vec::new();
-        for root in find_folders(path, is_tree)? {
+        for root in find_folders(path, is_tree) {
             let parts = match Tree::open(&root) {
                 Ok(tree) => downloaded(&tree),
                 // One source, whose reading says why.
@@ -68,7 +67,7 @@ impl Adapter for PhysicalAiAv {
             };
             out.extend(parts.into_iter().map(|part| Located { path: root.clone(), part: Some(part) }));
         }
-        Ok(out)
+        out
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {

@@ -6,7 +6,6 @@ use crate::adapter::{Adapter, DriveSink, FilesInMemory, FormatAbout, Located, So
 use crate::encodings::bag_records;
 use crate::options::{LICENCE, Options};
 use crate::report::SourceReport;
-use std::io;
 use std::path::Path;
 use whyroad_model::{Bilingual, Diagnostic, Drive};
 
@@ -31,8 +30,8 @@ impl Adapter for RosBag {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_by_ending(path, "bag").map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_by_ending(path, "bag"))
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {

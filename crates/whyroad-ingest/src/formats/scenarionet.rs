@@ -19,12 +19,12 @@ use crate::encodings::pickle::{self, Value};
 use crate::options::{LICENCE, Options, START};
 use crate::report::SourceReport;
 use crate::source::{
-    ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds, resampled,
+    ContentHash, SEARCH_DEPTH, drive_id, entries, file_label, implausible_span, impossible_speeds, resampled,
 };
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use tracks::Tracks;
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, FrameOfReference, LightState};
@@ -55,8 +55,8 @@ impl Adapter for ScenarioNet {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_scenarios(path).map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_scenarios(path))
     }
 
     fn companions(&self, source: &Path) -> Vec<PathBuf> {
@@ -87,15 +87,14 @@ const IN_ONE_PLANE: &str = "nuscenes";
 
 /// Scenario files at or below `path`, sorted: `sd_*.pkl`, and with a database's `dataset_summary.pkl` beside or above
 /// them every pickle; a file given directly, with any name.
-pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(dir: &Path, in_database: bool, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
+pub fn find_scenarios(path: &Path) -> Vec<PathBuf> {
+    fn search(dir: &Path, in_database: bool, depth: usize, out: &mut Vec<PathBuf>) {
         let in_database = in_database || NOT_SCENARIOS.iter().any(|n| dir.join(n).is_file());
-        for entry in fs::read_dir(dir)? {
-            let path = entry?.path();
+        for path in entries(dir) {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let scenario = name.ends_with(".pkl") && !NOT_SCENARIOS.contains(&name.as_str());
             if path.is_dir() && depth > 0 {
-                search(&path, in_database, depth - 1, out)?;
+                search(&path, in_database, depth - 1, out);
             } else if path.is_file()
                 && scenario
                 && (in_database || name.starts_with("sd_") || looks_like_one(&path))
@@ -103,16 +102,15 @@ pub fn find_scenarios(path: &Path) -> io::Result<Vec<PathBuf>> {
                 out.push(path);
             }
         }
-        Ok(())
     }
     if path.is_file() {
         let pickle = path.extension().is_some_and(|e| e == "pkl" || e == "pickle");
-        return Ok(if pickle { vec![path.to_owned()] } else { Vec::new() });
+        return if pickle { vec![path.to_owned()] } else { Vec::new() };
     }
     let mut out = Vec::new();
-    search(path, false, SEARCH_DEPTH, &mut out)?;
+    search(path, false, SEARCH_DEPTH, &mut out);
     out.sort();
-    Ok(out)
+    out
 }
 
 /// True for a pickle of any name that has the parts of a scenario.

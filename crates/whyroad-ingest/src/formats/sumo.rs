@@ -35,7 +35,9 @@ use crate::encodings::compressed::without_ending;
 use crate::file_reader::{FileReader, finish_map};
 use crate::options::{DEFAULT_START, Options, START};
 use crate::report::{RowCount, SourceReport};
-use crate::source::{ContentHash, SEARCH_DEPTH, drive_id, file_label, implausible_span, impossible_speeds};
+use crate::source::{
+    ContentHash, SEARCH_DEPTH, drive_id, entries, file_label, implausible_span, impossible_speeds,
+};
 use fcd::{Fcd, Object};
 use frames::Cadence;
 use inputs::{NetParts, add_file, read_lights, read_net, read_types};
@@ -45,7 +47,6 @@ use objects::{Notes, ego_table, samples_at, tracks};
 use sensing::{Occlusion, Sensing, Unseen};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use vehicle_types::{IsPerson, VehicleTypes};
 use whyroad_model::scene::{DriveMeta, FrameOfReference, LightState};
 use whyroad_model::{Bilingual, Diagnostic, Drive, DriveId, Nanos, Need, RoadMap};
@@ -69,8 +70,8 @@ impl Adapter for Sumo {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_simulations(path).map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_simulations(path))
     }
 
     fn companions(&self, source: &Path) -> Vec<PathBuf> {
@@ -96,29 +97,27 @@ impl Adapter for Sumo {
 
 /// FCD files at or below `path`, sorted: files whose name says `fcd` and `.xml` or `.csv`, or `path` itself when it is
 /// a file.
-pub fn find_simulations(path: &Path) -> io::Result<Vec<PathBuf>> {
-    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) -> io::Result<()> {
-        for entry in fs::read_dir(dir)? {
-            let path = entry?.path();
+pub fn find_simulations(path: &Path) -> Vec<PathBuf> {
+    fn search(dir: &Path, depth: usize, out: &mut Vec<PathBuf>) {
+        for path in entries(dir) {
             if path.is_dir() && depth > 0 {
-                search(&path, depth - 1, out)?;
+                search(&path, depth - 1, out);
             } else if path.is_file() && (is_named(&path, "fcd", ".xml") || is_named(&path, "fcd", ".csv")) {
                 out.push(path);
             }
         }
-        Ok(())
     }
     if path.is_file() {
         let name = file_label(path).to_lowercase();
         let plain = without_ending(&name);
         // Many programs write CSV; FCD must be declared.
         let is_log = plain.ends_with(".xml") || is_named(path, "fcd", ".csv");
-        return Ok(if is_log { vec![path.to_owned()] } else { Vec::new() });
+        return if is_log { vec![path.to_owned()] } else { Vec::new() };
     }
     let mut out = Vec::new();
-    search(path, SEARCH_DEPTH, &mut out)?;
+    search(path, SEARCH_DEPTH, &mut out);
     out.sort();
-    Ok(out)
+    out
 }
 
 /// Reads one simulation as seen from its first ego. `None` when there is nothing that could be kept; the report says

@@ -38,7 +38,6 @@ use layout::TABLES;
 use mapping::Mapping;
 use meta::Meta;
 use reader::{Clock, Reader, files_of};
-use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::scene::{DriveMeta, FrameOfReference};
 use whyroad_model::{Diagnostic, Drive, Nanos, Need};
@@ -70,18 +69,18 @@ impl Adapter for Table {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        find_drives(path).map(whole)
+    fn find(&self, path: &Path) -> Vec<Located> {
+        whole(find_drives(path))
     }
 
     fn check(&self, options: &Options) -> Vec<Diagnostic> {
         own_mapping(options).err().unwrap_or_default()
     }
 
-    fn find_with(&self, path: &Path, options: &Options) -> io::Result<Vec<Located>> {
+    fn find_with(&self, path: &Path, options: &Options) -> Vec<Located> {
         let mapping = own_mapping(options).ok().flatten();
         let mapping = mapping.as_ref().map(|m| &m.mapping);
-        find_folders(path, |dir| is_drive(dir, mapping)).map(whole)
+        whole(find_folders(path, |dir| is_drive(dir, mapping)))
     }
 
     fn read_files(&self, files: &FilesInMemory, options: &Options, drives: &mut DriveSink<'_>) {
@@ -131,7 +130,7 @@ fn own_mapping(options: &Options) -> Result<Option<NamedMapping>, Vec<Diagnostic
 
 /// Drive folders at or below `path`, sorted: with a drive file and a table, or with the tables of ego and objects, and
 /// not of a lake (which has `clips.parquet`).
-pub fn find_drives(path: &Path) -> io::Result<Vec<PathBuf>> {
+pub fn find_drives(path: &Path) -> Vec<PathBuf> {
     find_folders(path, |dir| is_drive(dir, None))
 }
 
@@ -165,7 +164,9 @@ fn unread(dir: Folder<'_>, mapping: Option<&Mapping>) -> Vec<Diagnostic> {
         // The other form of a table that is read is no loss.
         let is_other_form = !files_of(dir, table, mapping).is_empty() && stem == *table;
         if !is_other_form {
-            out.push(findings::unread(&dir.label(&name), table));
+            let is_named_so = ["csv", "parquet"].iter().any(|ending| name == format!("{table}.{ending}"));
+            let file = dir.label(&name);
+            out.push(if is_named_so { findings::not_a_file(&file) } else { findings::unread(&file, table) });
         }
     }
     out

@@ -23,7 +23,6 @@ use crate::source::{
 };
 use scenario::{ObjectTrack, Scenario};
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
 use std::path::{Path, PathBuf};
 use whyroad_model::road_map::Point3;
 use whyroad_model::scene::{DriveMeta, Ego, LightColor, LightState};
@@ -50,9 +49,9 @@ impl Adapter for WaymoMotion {
         }
     }
 
-    fn find(&self, path: &Path) -> io::Result<Vec<Located>> {
-        let scenarios = find_scenarios(path)?;
-        Ok(scenarios.into_iter().map(|(path, at)| Located { path, part: Some(at) }).collect())
+    fn find(&self, path: &Path) -> Vec<Located> {
+        let scenarios = find_scenarios(path).into_iter();
+        scenarios.map(|(path, at)| Located { path, part: Some(at) }).collect()
     }
 
     fn read(&self, source: &Source, options: &Options, drives: &mut DriveSink<'_>) {
@@ -61,13 +60,15 @@ impl Adapter for WaymoMotion {
 }
 
 /// Records at or below `path` in files whose name says `tfrecord`, with the byte at which each begins; sorted.
-pub fn find_scenarios(path: &Path) -> io::Result<Vec<(PathBuf, u64)>> {
+pub fn find_scenarios(path: &Path) -> Vec<(PathBuf, u64)> {
     let is_records = |file: &Path| file.file_name().is_some_and(|n| n.to_string_lossy().contains("tfrecord"));
     let mut out = Vec::new();
-    for file in find_files(path, is_records)? {
-        out.extend(tfrecord::offsets(&file)?.into_iter().map(|at| (file.clone(), at)));
+    for file in find_files(path, is_records) {
+        // A file that cannot be read is one source, whose reading says why.
+        let offsets = tfrecord::offsets(&file).unwrap_or_else(|_| vec![0]);
+        out.extend(offsets.into_iter().map(|at| (file.clone(), at)));
     }
-    Ok(out)
+    out
 }
 
 /// Reads the scenario whose record begins at byte `at`. `None` when there is nothing that could be kept; the report

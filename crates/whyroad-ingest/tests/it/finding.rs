@@ -67,6 +67,46 @@ fn files_that_are_not_taken_are_named_with_the_reason() {
 }
 
 #[test]
+#[cfg(unix)]
+fn a_link_to_nowhere_loses_no_other_drive() {
+    let dir = tempfile::tempdir().unwrap();
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/table/following");
+    let drive = dir.path().join("sim");
+    fs::create_dir(&drive).unwrap();
+    for file in fs::read_dir(table).unwrap().flatten().filter(|f| f.path().is_file()) {
+        fs::copy(file.path(), drive.join(file.file_name())).unwrap();
+    }
+    fs::copy(fixtures().join("crossroads.fcd.xml"), dir.path().join("a.fcd.xml")).unwrap();
+    fs::copy(fixtures().join("scenarionet/sd_byhand_p4.pkl"), dir.path().join("sd_a.pkl")).unwrap();
+    fs::write(dir.path().join("a.mcap"), "").unwrap();
+    // With a given format, the drives of others are not sources: what is in their folders is outside.
+    let all = [None, Some(AdapterRef(&sumo::Sumo))];
+    let before = all.map(|format| find_sources(format, &[dir.path().to_owned()]).0);
+    assert_eq!((before[0].len(), before[1].len()), (4, 1));
+
+    std::os::unix::fs::symlink("/nowhere/at/all", dir.path().join("gone")).unwrap();
+    std::os::unix::fs::symlink("/nowhere/at/all", drive.join("camera")).unwrap();
+    for (format, before) in all.into_iter().zip(before) {
+        let (sources, problems) = find_sources(format, &[dir.path().to_owned()]);
+        assert_eq!(sources, before);
+        let said: Vec<_> = problems
+            .iter()
+            .filter(|d| d.code == "ingest.path.unreadable")
+            .map(|d| (d.severity, d.location.file.clone().unwrap_or_default(), d.message.en.contains("link")))
+            .collect();
+        let path = |p: &Path| p.display().to_string();
+        let expected = match format {
+            None => vec![
+                (Severity::Error, path(&dir.path().join("gone")), true),
+                (Severity::Warning, path(&drive.join("camera")), true),
+            ],
+            Some(_) => vec![(Severity::Error, path(dir.path()), true)],
+        };
+        assert_eq!(said, expected);
+    }
+}
+
+#[test]
 fn a_git_lfs_pointer_is_recognised() {
     let dir = tempfile::tempdir().unwrap();
     let log = dir.path().join("log");

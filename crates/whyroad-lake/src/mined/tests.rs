@@ -176,6 +176,7 @@ fn coverage_that_is_cut_off_is_refused_with_its_place() {
     let coverage = Coverage {
         taxonomy_version: "1.0.0".into(),
         drives: vec!["d".into()],
+        left_out: vec![],
         leaves: vec![],
         unresolved: vec![],
     };

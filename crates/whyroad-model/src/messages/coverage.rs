@@ -15,11 +15,23 @@ pub struct Coverage {
     pub taxonomy_version: String,
     /// Drives that were searched, sorted.
     pub drives: Vec<DriveId>,
+    /// Drives that could not be searched, sorted: nothing is known about what happened in them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutDrive>,
     /// Every leaf of the taxonomy, in its order; after a custom question (`--rule`, `--query`) only its class.
     pub leaves: Vec<LeafCoverage>,
     /// L2s with their own rule, for episodes whose L2 is known but not the variant. In taxonomy order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unresolved: Vec<LeafCoverage>,
+}
+
+/// A drive that could not be searched.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct LeftOutDrive {
+    /// The drive.
+    pub drive_id: DriveId,
+    /// Code of the diagnostic that says why.
+    pub code: String,
 }
 
 closed_set!(

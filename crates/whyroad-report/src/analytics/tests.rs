@@ -61,6 +61,7 @@ fn mined(framework: &Framework) -> MinedFacts {
         coverage: Coverage {
             taxonomy_version: framework.taxonomy.version.clone(),
             drives: vec!["a".into(), "b".into()],
+            left_out: vec![],
             leaves: vec![
                 leaf_coverage(leaf(framework, URGENT), CoverageState::Found, 3, &[]),
                 leaf_coverage(leaf(framework, SLOW), CoverageState::NotFound, 0, &[]),

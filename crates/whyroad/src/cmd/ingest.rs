@@ -12,8 +12,8 @@ use report::{json_report, text_report};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use whyroad_ingest::SourceReport;
-use whyroad_lake::{Lake, LakeError};
-use whyroad_model::{Diagnostic, Severity};
+use whyroad_lake::{Lake, LakeError, WriteOutcome};
+use whyroad_model::{Diagnostic, DriveId, Severity};
 
 pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (sources, mut problems) = whyroad_ingest::find_sources_with(args.format, &args.paths, &args.options);
@@ -41,6 +41,8 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let mut published = Instant::now();
     let bar = output::progress(sources.len());
     let mut reports = Vec::with_capacity(sources.len());
+    // How many of the reports are about drives of an earlier publication.
+    let mut settled = 0;
     for batch in whyroad_ingest::batches(&sources) {
         bar.set_message(batch[0].path.file_name().unwrap_or_default().to_string_lossy().into_owned());
         let last = bar.position() + batch.len() as u64;
@@ -53,33 +55,53 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         bar.set_position(last);
         // Published drives are not lost with the process. An error here is reported at the end if it persists.
         if published.elapsed() >= PUBLISH_EVERY {
-            let conflict = lake.publish().err().filter(is_conflict).map(|e| e.diagnostic());
-            bar.suspend(|| print_diagnostics(global, conflict.as_slice()));
-            problems.extend(conflict);
+            match lake.publish() {
+                Ok(()) => settled = reports.len(),
+                Err(e) if is_conflict(&e) => {
+                    not_published(&mut reports, settled, &e);
+                    settled = reports.len();
+                    bar.suspend(|| print_diagnostics(global, &[e.diagnostic()]));
+                    problems.push(e.diagnostic());
+                }
+                Err(_) => {}
+            }
             published = Instant::now();
         }
     }
     bar.finish_and_clear();
 
+    let stated = facts.map(|facts| meta::state(&lake, facts));
+    // Before the report: what is not published is in no lake.
+    if let Err(e) = lake.publish() {
+        not_published(&mut reports, settled, &e);
+        problems.push(e.diagnostic());
+        tell!("{}", render_text(&e.diagnostic(), global.lang));
+    }
     match args.print {
         DataFormat::Text => output::put(&text_report(&reports, global.lang)),
         DataFormat::Json => output::put_json(&json_report(&reports, global.lang))?,
     }
-    if let Some(facts) = facts {
-        let found = meta::state(&lake, facts)?;
-        for d in &found {
-            tell!("{}", render_text(d, global.lang));
-        }
-        problems.extend(found);
+    let found = stated.transpose()?.unwrap_or_default();
+    for d in &found {
+        tell!("{}", render_text(d, global.lang));
     }
-    if let Err(e) = lake.publish() {
-        problems.push(e.diagnostic());
-        tell!("{}", render_text(&e.diagnostic(), global.lang));
-        if !is_conflict(&e) {
-            return Ok(output::FINDINGS);
-        }
-    }
+    problems.extend(found);
     Ok(exit_code(&reports, &problems))
+}
+
+/// Takes back the outcome of drives that were written and could not be published: those that another process changed
+/// at the same time, or all after the first `settled` ones.
+fn not_published(reports: &mut [SourceReport], settled: usize, e: &LakeError) {
+    let is_lost = |id: &DriveId| match e {
+        LakeError::ChangedMeanwhile { what, .. } if is_conflict(e) => what.contains(&format!("drives/{id}")),
+        _ => true,
+    };
+    for report in &mut reports[settled..] {
+        let was_written = matches!(report.outcome, Some(WriteOutcome::Written | WriteOutcome::Replaced));
+        if was_written && report.drive_id.as_ref().is_some_and(is_lost) {
+            report.outcome = None;
+        }
+    }
 }
 
 /// Time between two publications into an object store.
@@ -87,7 +109,8 @@ const PUBLISH_EVERY: Duration = Duration::from_secs(20);
 
 /// Another process has written the same drive; all others are published.
 fn is_conflict(e: &LakeError) -> bool {
-    matches!(e, LakeError::ChangedMeanwhile { .. })
+    // Without a put of the manifest nothing is published.
+    matches!(e, LakeError::ChangedMeanwhile { what, .. } if what.iter().all(|w| w != "manifest.json"))
 }
 
 /// Diagnostics to stderr; notes only with `--verbose`.
@@ -104,4 +127,38 @@ fn exit_code(reports: &[SourceReport], problems: &[Diagnostic]) -> ExitCode {
     let lost = reports.iter().any(SourceReport::lost_input)
         || problems.iter().any(|d| d.severity == Severity::Error);
     if lost { output::lost_input() } else { output::FINE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As `Lake::publish` documents its errors.
+    #[test]
+    fn only_published_drives_count_as_in_the_lake() {
+        let report = |id: &str, outcome| SourceReport {
+            drive_id: Some(DriveId::from(id)),
+            outcome: Some(outcome),
+            ..SourceReport::new(id.to_owned())
+        };
+        let all = || {
+            vec![
+                report("early", WriteOutcome::Written),
+                report("a", WriteOutcome::Written),
+                report("b", WriteOutcome::Replaced),
+                report("c", WriteOutcome::Unchanged),
+            ]
+        };
+        let left = |what: &[&str]| {
+            let mut reports = all();
+            let what = what.iter().map(|w| (*w).to_owned()).collect();
+            not_published(&mut reports, 1, &LakeError::ChangedMeanwhile { url: "s3://b/l".to_owned(), what });
+            let there = reports.iter().filter(|r| r.outcome.is_some());
+            there.map(|r| r.source.clone()).collect::<Vec<_>>()
+        };
+        // Another process wrote one of them: the rest is published.
+        assert_eq!(left(&["drives/b"]), ["early", "a", "c"]);
+        // The manifest could not be put: nothing since the last publication is.
+        assert_eq!(left(&["manifest.json"]), ["early", "c"]);
+    }
 }

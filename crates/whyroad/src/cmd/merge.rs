@@ -39,7 +39,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     let (framework, _) = framework_folder::load(global)?;
     let (catalog, _) = Catalog::parse(&framework.signals_yaml);
     let rules = RuleSet::of_framework(&framework, &catalog).0;
-    let (precedence, faulty) = (&rules.precedence, rules.unusable(&framework));
+    let faulty = rules.unusable(&framework);
     let mut parts = Vec::new();
     for dir in &args.parts {
         parts.extend(Part::find(dir)?);
@@ -49,7 +49,7 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         Err(e) => return Ok(say(&[e.diagnostic()], lang)),
     };
     let expected = lake.as_ref().map_or(Expected::Plan, Expected::Lake);
-    let merged = merge(&parts, expected, (&framework.taxonomy, precedence), &args.out, args.force);
+    let merged = merge(&parts, expected, (&framework.taxonomy, &rules), &args.out, args.force);
     let merged = match merged {
         Err(MergeError::Publish(PublishError::OtherQuestion(dir))) => {
             say!("{}", other_question(&dir, lang));

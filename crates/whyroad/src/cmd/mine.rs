@@ -228,7 +228,8 @@ pub(super) fn search(global: &Global, args: Args) -> anyhow::Result<Mined> {
     let classes: Vec<ScenarioId> =
         plan.rules.rules.iter().filter(asked_for).map(|r| r.scenario.clone()).collect();
     if let Some(list) = &args.drives {
-        let work = part::Work { list, out, lake: &lake, plan, classes, framework: &framework };
+        let work =
+            part::Work { list, out, lake: &lake, plan, classes, framework: &framework, catalog: &catalog };
         return Ok(Mined { results: None, code: part::mine(global, &args, work)? });
     }
     // Two runs would write the same files: also the results of the first one would be lost.

@@ -8,7 +8,7 @@ use crate::store_args::KeyArgs;
 use crate::{Global, analytics, framework_folder, output};
 use anyhow::Context as _;
 use serde_json::json;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use whyroad_engine::drives::{map_drives, signals_of};
@@ -134,9 +134,14 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     for d in &lost {
         tell!("{}", render_text(d, global.lang));
     }
+    let not_mined = not_mined(&lake, &coverage);
+    if let Some(text) = unsearched(coverage.left_out.len(), not_mined, global.lang) {
+        say!("{text}");
+    }
     super::inspect::keep(&lake, global);
     let written = json!({
-        "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len(), "analytics": analytics,
+        "page": args.out, "drives": coverage.drives.len(), "unreadable": lost.len(),
+        "left_out": coverage.left_out, "not_mined": not_mined, "analytics": analytics,
     });
     args.print.put(&written, || {
         let numbers = match analytics.as_ref().filter(|_| args.numbers.summary) {
@@ -145,13 +150,43 @@ pub(crate) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         };
         format!("{numbers}{}\n", args.out.display())
     })?;
-    Ok(if !lost.is_empty() {
+    Ok(if !lost.is_empty() || !coverage.left_out.is_empty() {
         output::lost_input()
     } else if faults.is_empty() {
         output::FINE
     } else {
         output::FINDINGS
     })
+}
+
+/// Number of the lake's drives that the run did not have: they were ingested after it.
+fn not_mined(lake: &Lake, coverage: &Coverage) -> usize {
+    let searched = coverage.drives.iter().chain(coverage.left_out.iter().map(|d| &d.drive_id));
+    let searched: BTreeSet<&DriveId> = searched.collect();
+    lake.drive_ids().iter().filter(|id| !searched.contains(id)).count()
+}
+
+/// Drives of which the report says nothing; `None` where it has all.
+fn unsearched(left_out: usize, not_mined: usize, lang: Lang) -> Option<String> {
+    let pick = |zh: String, en: String| if lang == Lang::Zh { zh } else { en };
+    let parts = [
+        (left_out > 0).then(|| {
+            pick(
+                format!("挖掘时有 {left_out} 个行程无法读取，其内容未知（coverage.json 的 left_out）"),
+                format!(
+                    "{left_out} drives could not be mined: what happened in them is unknown (left_out in coverage.json)"
+                ),
+            )
+        }),
+        (not_mined > 0).then(|| {
+            pick(
+                format!("数据湖中有 {not_mined} 个行程不在该挖掘结果中：请再次运行 `whyroad mine`"),
+                format!("{not_mined} drives of the lake are not in the mined folder: run `whyroad mine` again"),
+            )
+        }),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join("\n"))
 }
 
 fn refuse(d: &Diagnostic, lang: Lang) -> ExitCode {

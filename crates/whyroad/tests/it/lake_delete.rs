@@ -100,6 +100,7 @@ fn nothing_of_the_drive_remains_and_who_else_holds_it_is_named() {
         files(dir.path()).iter().all(|(p, c)| p.starts_with("service") || before[p] == *c),
         "nothing changed"
     );
+    assert_eq!(would["drive_ids"], serde_json::json!([id]));
     assert!(would["tasks"].as_u64().unwrap() > 0 && would["episodes"].as_u64().unwrap() > 0);
 
     // Places that were not given are not searched: their counts are unknown, not zero (delete-drives.md).
@@ -109,6 +110,7 @@ fn nothing_of_the_drive_remains_and_who_else_holds_it_is_named() {
         "{}",
         alone.out
     );
+    assert!(alone.out.contains(&format!("drives that would be deleted:\n  {id}\n")), "{}", alone.out);
     assert!(!alone.out.contains("0 tasks") && !alone.out.contains("0 images"), "{}", alone.out);
 
     // A mistyped id beside it is named, and does not stop the deletion of the other.

@@ -259,6 +259,8 @@ fn the_documented_queries_read_packed_drives() {
     let dir = with_lake();
     compact(dir.path(), &[]);
     let page = root().join("docs/how-to/large-lakes.md");
+    // No drive is loose after compaction.
+    assert_eq!(duckdb::run_queries(&page, dir.path())[1..], [DRIVES, DRIVES]);
     ingest(dir.path(), "multilane", "d7");
     // One that is packed and was replaced since, and one more in a pack that nothing names.
     let drive = root().join("examples/drives/back_street");

@@ -130,6 +130,24 @@ fn what_is_missing_doubled_changed_or_of_another_version_is_named_and_nothing_is
     copy(&at("parts/2"), &at("again"));
     refused(&["parts", "again"], &["merge.drive.doubled", &second[0], "again"]);
 
+    // One part twice: one line, whatever the number of drives.
+    let twice = whyroad_in(dir.path(), &["merge", "parts", "again", "--out", "merged"]);
+    assert_eq!(twice.err.matches("merge.drive.doubled").count(), 1, "{}", twice.err);
+    assert!(twice.err.contains("work list 2"), "{}", twice.err);
+
+    // The program with another value in a rule.
+    for folder in ["schema", "scenarios"] {
+        copy(&root().join(folder), &at("fw").join(folder));
+    }
+    let file = at("fw/scenarios/reactive_agent/cutin.yaml");
+    let rules = fs::read_to_string(&file).unwrap();
+    let changed = rules.replace("reach_thw: { value: 2 s", "reach_thw: { value: 1 s");
+    assert_ne!(rules, changed);
+    fs::write(&file, changed).unwrap();
+    let other = whyroad_in(dir.path(), &["--framework", "fw", "merge", "parts", "--out", "merged"]);
+    assert!(other.code == 1 && other.err.contains("merge.part.differs"), "{}", other.err);
+    assert!(!at("merged").exists());
+
     // The same part, made by another version of the derivation.
     let work = fs::read_to_string(at("again/work.json")).unwrap();
     let mut other: Value = serde_json::from_str(&work).unwrap();
@@ -174,6 +192,18 @@ fn a_drive_that_cannot_be_read_is_set_aside_and_named() {
         assert!(run.err.contains("mine.drive.unreadable") && run.err.contains("d1"), "{}", run.err);
     }
     same(&dir.path().join("merged"), &dir.path().join("whole"));
+    // Nothing is known about it: the folder says so, and so does the report.
+    let coverage = fs::read(dir.path().join("merged/coverage.json")).unwrap();
+    let coverage: Value = serde_json::from_slice(&coverage).unwrap();
+    let expected = serde_json::json!([{"drive_id": "d1", "code": "mine.drive.unreadable"}]);
+    assert_eq!(coverage["left_out"], expected);
+    copy(&dir.path().join("lake/drives/d2"), &dir.path().join("lake/drives/new"));
+    let args = ["report", "--lake", "lake", "--mined", "merged", "--format", "json"];
+    let report = whyroad_in(dir.path(), &args);
+    let printed: Value = serde_json::from_str(&report.out).unwrap();
+    assert_eq!((&printed["left_out"], &printed["not_mined"]), (&expected, &1.into()));
+    assert_eq!(report.code, 3);
+    assert!(report.err.contains("left_out in coverage.json"), "{}", report.err);
     // A drive that is not in the lake at all is another fault.
     fs::write(dir.path().join("list"), "d0\nnowhere\n").unwrap();
     let part = whyroad_in(dir.path(), &["mine", "--lake", "lake", "--drives", "list", "--out", "other"]);

@@ -117,6 +117,15 @@ pub(super) fn no_row(file: &str) -> Diagnostic {
     Diagnostic::error("table.file.empty", message).in_file(file).with_hint(hint)
 }
 
+/// A name of a table at which there is no file: a link whose target does not exist, a folder.
+pub(super) fn not_a_file(file: &str) -> Diagnostic {
+    let message = Bilingual::new(
+        "该表无法读取：它不是文件，或是目标不存在的链接",
+        "this table cannot be read: it is not a file, or a link whose target does not exist",
+    );
+    Diagnostic::error("table.file.unread", message).in_file(file)
+}
+
 /// A file beside the tables that looks like one of them.
 pub(super) fn unread(file: &str, meant: &str) -> Diagnostic {
     let message = Bilingual::new("该文件未读取", "this file is not read");

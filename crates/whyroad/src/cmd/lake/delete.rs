@@ -137,10 +137,10 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
     if !not_found.is_empty() && not_found.len() == drives.len() {
         bail!(nothing_of(&not_found.join(", "), lang));
     }
+    let ids: Vec<&DriveId> = drives.iter().filter(|id| !not_found.contains(&id.0)).collect();
     if args.dry_run {
-        args.print.put(&Report { counts: &counts, not_found: &not_found }, || {
-            text(&counts, &not_found, true, lang)
-        })?;
+        let report = Report { counts: &counts, drive_ids: &ids, not_found: &not_found };
+        args.print.put(&report, || text(&counts, &not_found, true, lang) + &listed(&ids, lang))?;
         return Ok(outcome(&counts, &not_found));
     }
 
@@ -176,8 +176,8 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
         audit::put(&file, "done", args.request.as_deref(), &counts)?;
     }
     lake.publish()?;
-    args.print
-        .put(&Report { counts: &counts, not_found: &not_found }, || text(&counts, &not_found, false, lang))?;
+    let report = Report { counts: &counts, drive_ids: &ids, not_found: &not_found };
+    args.print.put(&report, || text(&counts, &not_found, false, lang))?;
     Ok(outcome(&counts, &not_found))
 }
 
@@ -186,8 +186,16 @@ pub(super) fn run(global: &Global, args: Args) -> anyhow::Result<ExitCode> {
 struct Report<'a> {
     #[serde(flatten)]
     counts: &'a Deleted,
+    /// The drives.
+    drive_ids: &'a [&'a DriveId],
     /// Drives of which nothing was found in the places given.
     not_found: &'a [String],
+}
+
+/// The drives that would be deleted, one per line.
+fn listed(ids: &[&DriveId], lang: Lang) -> String {
+    let head = if lang == Lang::Zh { "将删除的行程" } else { "drives that would be deleted" };
+    ids.iter().fold(format!("{head}:\n"), |out, id| out + &format!("  {id}\n"))
 }
 
 /// The named drives, and those that ended before a time; also the drives without a time.

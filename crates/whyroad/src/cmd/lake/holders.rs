@@ -27,13 +27,18 @@ impl Holders {
     }
 }
 
-/// Releases at or anywhere below the folders.
+/// Releases at or anywhere below the folders, and builds that did not finish.
 pub(super) fn releases(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders {
     let mut out = Holders::default();
     if drives.is_empty() {
         return out;
     }
-    for manifest in files(dirs, &mut out.unsearched).iter().filter(|p| p.ends_with("manifest.json")) {
+    let all = files(dirs, &mut out.unsearched);
+    let unfinished: BTreeSet<&Path> = all.iter().filter_map(|p| unfinished_build(p)).collect();
+    for dir in unfinished {
+        out.add(dir, unfinished_holds(dir, drives));
+    }
+    for manifest in all.iter().filter(|p| p.ends_with("manifest.json") && unfinished_build(p).is_none()) {
         // Other tools use this file name, too.
         let text = fs::read(manifest).ok().and_then(|t| serde_json::from_slice::<Value>(&t).ok());
         let ours = text.is_some_and(|m| m["format"].as_str().is_some_and(|f| f.contains("whyroad")));
@@ -42,6 +47,30 @@ pub(super) fn releases(dirs: &[PathBuf], drives: &BTreeSet<DriveId>) -> Holders 
         }
     }
     out
+}
+
+/// The work folder `.NAME.partial` of a build in which a file is: a killed or refused build leaves it.
+fn unfinished_build(file: &Path) -> Option<&Path> {
+    file.ancestors().skip(1).find(|dir| {
+        let name = dir.file_name().unwrap_or_default().to_string_lossy();
+        name.starts_with('.') && name.ends_with(".partial")
+    })
+}
+
+fn unfinished_holds(dir: &Path, drives: &BTreeSet<DriveId>) -> anyhow::Result<bool> {
+    let all = files(&[dir.to_owned()], &mut vec![]);
+    for file in &all {
+        if occurs(file, drives)? {
+            return Ok(true);
+        }
+    }
+    // Its columns are compressed.
+    let tables = all.iter().filter(|f| f.extension().is_some_and(|e| e == "parquet")).count();
+    anyhow::ensure!(
+        tables == 0,
+        "an unfinished build; its {tables} Parquet files cannot be searched: remove it"
+    );
+    Ok(false)
 }
 
 fn release_holds(dir: &Path, drives: &BTreeSet<DriveId>) -> anyhow::Result<bool> {
@@ -171,5 +200,24 @@ mod tests {
         fs::write(dir.path().join("b.jsonl.gz"), "?").unwrap();
         let found = backups(&[dir.path().to_owned()], &drives);
         assert_eq!((found.found.len(), found.unsearched.len()), (1, 1));
+    }
+
+    #[test]
+    fn an_unfinished_build_is_found() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = |name: &str| dir.path().join(name);
+        for (build, file, text) in [
+            (".r1.partial", "labels.records", "\"d1_000\""),
+            (".r2.partial", "labels.records", "\"d2_000\""),
+            (".r3.partial", "samples/0.parquet", "PAR1"),
+        ] {
+            let file = path(build).join(file);
+            fs::create_dir_all(file.parent().unwrap()).unwrap();
+            fs::write(file, text).unwrap();
+        }
+        let found = releases(&[dir.path().to_owned()], &BTreeSet::from([DriveId::from("d1")]));
+        assert_eq!(found.found, [path(".r1.partial").display().to_string()]);
+        let [unsearched] = &found.unsearched[..] else { panic!("{found:?}") };
+        assert!(unsearched.contains(".r3.partial"), "{unsearched}");
     }
 }

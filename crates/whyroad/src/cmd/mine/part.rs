@@ -16,7 +16,9 @@ use whyroad_engine::output::query::{self, ClassQuery};
 use whyroad_engine::parts::{PartError, PartOptions, Request, Versions, WorkList, plan, work};
 use whyroad_framework::Framework;
 use whyroad_lake::Lake;
+use whyroad_mining::RuleSet;
 use whyroad_model::{Lang, ScenarioId};
+use whyroad_signals::Catalog;
 
 /// Prints the work lists of a lake, one JSON document per line, or writes them to files.
 pub(super) fn print_plan(global: &Global, args: &Args, lists: usize) -> anyhow::Result<ExitCode> {
@@ -65,6 +67,7 @@ pub(super) struct Work<'a> {
     pub plan: Plan,
     pub classes: Vec<ScenarioId>,
     pub framework: &'a Framework,
+    pub catalog: &'a Catalog,
 }
 
 /// Mines the drives of a work list into a part.
@@ -90,7 +93,8 @@ pub(super) fn mine(global: &Global, args: &Args, of: Work<'_>) -> anyhow::Result
         deaths: usize::from(args.deaths),
         restart: args.force,
     };
-    let versions = Versions::of(&of.framework.taxonomy, &rules);
+    let (all, _) = RuleSet::of_framework(of.framework, of.catalog);
+    let versions = Versions::of(&of.framework.taxonomy, &all, &rules);
     let bar = output::progress(list.drives.len());
     let done = |id: &_| {
         bar.set_message(format!("{id}"));

@@ -74,6 +74,7 @@ impl Results<'_> {
         let classes: Vec<Value> = self.rows(|l| l.state != CoverageState::NoRule).iter().map(class).collect();
         json!({
             "drives": self.summary.drives,
+            "left_out": self.summary.coverage.left_out,
             "episodes": self.summary.episodes,
             "primary_episodes": self.summary.primary_episodes,
             "classes": classes,
@@ -144,6 +145,12 @@ impl Results<'_> {
                 format!("{}, {} ({primary} primary)", counted(drives, "drive"), counted(episodes, "episode"))
             }
         };
+        let left_out = match (s.coverage.left_out.len(), self.lang) {
+            (0, _) => String::new(),
+            (n, Lang::Zh) => format!("；另有 {n} 个行程无法读取，内容未知"),
+            (n, Lang::En) => format!("; {} could not be read: their content is unknown", counted(n, "drive")),
+        };
+        let totals = totals + &left_out;
         if self.searched == Searched::Question {
             return totals;
         }
