@@ -480,6 +480,7 @@ export const screenTexts = {
   "episodes.similar": ["相似事件", "More like this"],
   "episodes.none_similar": ["没有可比较的事件。", "No episode to compare with."],
   "episodes.right_leaf": ["正确的场景", "The right scenario"],
+  "episodes.leaf_pick": ["请选择", "Choose"],
   "episodes.leaf_unknown": ["不确定", "not sure"],
   "episodes.barred": [
     "您正在做此行程一个任务的阶段一；请先完成该任务或将其退回队列。",
