@@ -269,6 +269,9 @@ fn make(
         light_decides,
     };
     let subjects = named.in_language(lang);
+    if subjects.has_moved {
+        return undrafted(framework, drive, episode, Doubt::Words, records, notes);
+    }
     let holds = slows || waits;
     let is_of_speed = match decision.longitudinal {
         Some(Longitudinal::GapMatching) => false,

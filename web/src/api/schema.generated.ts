@@ -222,6 +222,7 @@ export interface components {
             yaw_rate: (number | null)[];
         };
         EpisodeCard: {
+            calibrated: boolean;
             clip_id: string;
             drive_id: string;
             episode_id: string;

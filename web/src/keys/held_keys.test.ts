@@ -40,16 +40,17 @@ test("keys wait for the focus, in their order", async () => {
   assert.deepEqual(heard.at(-1), "second 2", "nothing is held afterwards");
 });
 
-test("what was typed is forgotten when the answer is a refusal, and a text field keeps its keys", async () => {
+test("what was typed is forgotten when the answer is a refusal, and a text field or a list keeps its keys", async () => {
   const keys = new HeldKeys();
   keys.hold();
   press("1");
   assert.deepEqual(keys.drop(), ["1"]);
   await keys.release();
-  const text = document.createElement("textarea");
-  document.body.append(text);
-  text.focus();
-  keys.hold();
-  assert.ok(press("a"), "the text field gets it");
-  assert.deepEqual(keys.drop(), []);
+  for (const kind of ["textarea", "select"]) {
+    const field = document.body.appendChild(document.createElement(kind));
+    field.focus();
+    keys.hold();
+    assert.ok(press("a"), `the ${kind} gets it`);
+    assert.deepEqual(keys.drop(), []);
+  }
 });

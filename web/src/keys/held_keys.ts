@@ -1,11 +1,12 @@
 // Keys typed while the service answers, for the field that has the focus afterwards: who knows the way types faster
-// than an answer comes. Only single characters without modifiers, and none that a text field gets.
+// than an answer comes. Only single characters without modifiers, and none that a text field or a list gets.
 
 /** Keys beyond these are forgotten: nobody types more blindly. */
 const MOST = 8;
 
-const isText = (element: Element | null): boolean =>
-  element instanceof HTMLTextAreaElement || (element instanceof HTMLInputElement && ["text", "search", "number"].includes(element.type));
+const isTypedIn = (element: Element | null): boolean =>
+  element instanceof HTMLTextAreaElement ||
+  element instanceof HTMLSelectElement || (element instanceof HTMLInputElement && ["text", "search", "number"].includes(element.type));
 
 const turn = (): Promise<void> => new Promise((done) => setTimeout(done));
 
@@ -39,7 +40,7 @@ export class HeldKeys {
   }
 
   #take = (e: KeyboardEvent): void => {
-    if (!this.#held || e.ctrlKey || e.altKey || e.metaKey || e.isComposing || e.repeat || e.key.length !== 1 || isText(document.activeElement)) return;
+    if (!this.#held || e.ctrlKey || e.altKey || e.metaKey || e.isComposing || e.repeat || e.key.length !== 1 || isTypedIn(document.activeElement)) return;
     if (this.#held.length < MOST) this.#held.push(e.key);
     e.preventDefault();
     e.stopPropagation();

@@ -35,6 +35,14 @@ test("text of the label is undone by the page, and keeps every other stroke", ()
   }
 });
 
+test("a list takes the letters and digits that name an entry, as every list of a browser does", () => {
+  for (const action of actionIds) {
+    const key = actions[action].key;
+    const keeps = !key.startsWith("Ctrl+") && !key.startsWith("Alt+") && key !== "Escape";
+    assert.equal(fieldKeeps("list", key, action), keeps, `${action} with ${key}`);
+  }
+});
+
 test("choices keep their arrows, buttons their space, the page gives both to the player", () => {
   assert.ok(fieldKeeps("choice", "ArrowLeft", "back"));
   for (const [key, action] of [["ArrowLeft", "back"], ["ArrowRight", "forward"], ["Home", "first"], ["Space", "play"]] as const) {

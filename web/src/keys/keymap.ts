@@ -139,23 +139,27 @@ export function repeats(action: ActionId): boolean {
   return actions[action].group !== "task" && action !== "removeComponent";
 }
 
-/** Does the stroke type or move something in a text field? */
+/** Does the stroke type or move something in a text field or a list? */
 const types = (stroke: string): boolean =>
   !stroke.startsWith("Ctrl+") && !stroke.startsWith("Alt+") && stroke !== "Escape" && !/^F\d+$/.test(stroke);
 
-/** Kind of the focused element: it decides which strokes belong to it. `undone`: text of the page's own undo. */
-export type Focus = "text" | "undone" | "choice" | "radio" | "button" | "slider" | "page";
+/**
+ * Kind of the focused element: it decides which strokes belong to it. `undone`: text of the page's own undo; `list`: a
+ * drop-down list, in which letters and digits choose an entry by the beginning of its name.
+ */
+export type Focus = "text" | "undone" | "list" | "choice" | "radio" | "button" | "slider" | "page";
 
 /**
- * Does the focused element need this stroke itself? Text needs all that types; the others what operates them. A radio
- * button is chosen by the arrows up and down or by its own key: what plays and steps goes to the player, so that who
+ * Does the focused element need this stroke itself? Text and lists need all that types; the others what operates them.
+ * A radio button is chosen by the arrows up and down or by its own key: what plays and steps goes to the player, so that who
  * looks at the frames does not change a decision.
  */
 export function fieldKeeps(focus: Focus, stroke: string, action: ActionId): boolean {
   // With a key of its own that types, undo would take a character from the text.
   const undoes = focus === "undone" && (action === "undo" || action === "redo") && !types(stroke);
   if (focus === "text" || focus === "undone") return actions[action].reach !== "always" && !undoes;
-  const keys: Record<Exclude<Focus, "text" | "undone">, readonly string[]> = {
+  if (focus === "list") return types(stroke);
+  const keys: Record<Exclude<Focus, "text" | "undone" | "list">, readonly string[]> = {
     page: [],
     button: ["Space", "Enter"],
     choice: ["Space", "Enter", "ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End"],

@@ -48,7 +48,7 @@ function focusOf(element: Element | null): Focus {
     if (element.type === "range") return "slider";
     return ["checkbox", "button", "submit", "file"].includes(element.type) ? "button" : "text";
   }
-  if (element instanceof HTMLSelectElement) return "choice";
+  if (element instanceof HTMLSelectElement) return "list";
   if (element instanceof HTMLElement && element.isContentEditable) return "text";
   if (element instanceof HTMLButtonElement || element instanceof HTMLAnchorElement) return "button";
   if (element?.tagName === "SUMMARY") return "button";

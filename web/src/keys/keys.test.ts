@@ -20,3 +20,16 @@ test("Ctrl+Enter that is held acts once, an arrow key steps on", () => {
   press("ArrowRight");
   assert.deepEqual(done, ["advance", "forward", "forward"]);
 });
+
+test("what is typed in a focused list acts on nothing else, but saving and leaving do", () => {
+  const done: string[] = [];
+  const stop = handleKeys({ linkObject: () => done.push("link"), reject: () => done.push("reject"), findObject: () => done.push("find"), save: () => done.push("save") });
+  const list = document.body.appendChild(document.createElement("select"));
+  list.focus();
+  for (const key of "road dig") assert.ok(!press(key), `the browser gets ${key}`);
+  press("s", { ctrlKey: true });
+  list.remove();
+  assert.ok(press("o"), "without the list, the key is the page's");
+  stop();
+  assert.deepEqual(done, ["save", "link"]);
+});

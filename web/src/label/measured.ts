@@ -72,7 +72,7 @@ export function measuredNow(editor: TaskEditor, language: Lang): Insertion[] {
     const text = withUnit(number(value, row.scale.digits), row.scale.unit);
     // Said already, by what the target is; the lead mostly is the target.
     if (ofTarget && /^(target|lead)\.(gap|speed)$/.test(row.id) && (text === gap || text === itsSpeed)) continue;
-    add(ofTarget ? named(row.name, what, language) : row.name, text);
+    add(ofTarget ? named(row.title, what, language) : row.title, text);
   }
   return out;
 }

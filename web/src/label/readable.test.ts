@@ -56,6 +56,8 @@ test("a finding speaks of seconds and names, as the screen does", () => {
   const id = "58350757f1d04f628aab9b22cf33549b";
   const named: LabelContext = { ...more, trackName: (track) => (track === id ? "#5" : track) };
   assert.equal(describeFinding(`去掉轿车（${id}），自车会多行驶 5 m`, named, "zh"), "去掉轿车（#5），自车会多行驶 5 m");
+  const quoted = "the trace contains the decision identifier 'lane_change'";
+  assert.equal(describeFinding(quoted, more, "en"), quoted, "as it stands in the text");
   assert.equal(describeFinding("a.cutin.urgent needs lane_change, not some_word", more, "en"), "“urgent” needs “lane change”, not some_word");
   const here: LabelContext = { ...more, trackName: (id) => (id.startsWith("58350757") ? "#9" : id) };
   assert.equal(describeFinding("without the car 58350757f1d04f628aab9b22cf33549b it would come 5 m farther", here, "en"), "without the car #9 it would come 5 m farther");

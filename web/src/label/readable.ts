@@ -82,7 +82,8 @@ const named = (ids: Json, words: LabelContext): Json =>
 const MOMENTS = /\d{4}-\d\d-\d\dT[\d:.]+Z/g;
 /** What can be the id of a track that the screen has a shorter name for. */
 const LONG_IDS = /[0-9A-Za-z][\w.:-]{11,}/g;
-const IDS = /[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+/g;
+/** Not what a message quotes from the text: a reader looks for it there. */
+const IDS = /(?<!(?:identifier|标识) '[a-z_]*)(?:[a-z][a-z0-9_]*(?:\.[a-z][a-z0-9_]*)+|[a-z]+(?:_[a-z]+)+)/g;
 
 /** A message of the validator with times in seconds from the keyframe, and names instead of ids. */
 export function describeFinding(sentence: string, words: LabelContext, lang: Lang): string {

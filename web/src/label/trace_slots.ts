@@ -106,8 +106,8 @@ export type TraceLack = "state" | "reason" | "decision" | "short_reason" | "repe
 const REASON_LEAST = { zh: 5, en: 4 } as const;
 
 /** The content of a text: Chinese characters, or words of other languages. */
-export function contentOf(text: string): { n: number; language: Lang } {
-  const language = languageOf(text, "zh");
+export function contentOf(text: string, otherwise: Lang = "zh"): { n: number; language: Lang } {
+  const language = languageOf(text, otherwise);
   return { n: (language === "zh" ? text.match(HAN) : text.match(WORD))?.length ?? 0, language };
 }
 

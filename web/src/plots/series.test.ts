@@ -8,6 +8,9 @@ const span = { from: 0, to: 4 };
 test("a false value at the end does not flatten the curve", () => {
   const driven = Array.from({ length: 100 }, (_, n) => 30 + n / 50);
   assert.deepEqual(bounds(withoutOutliers([...driven, null, -100]), 1), bounds(driven, 1));
+  // What brakes hard at last is what the keyframe is about: the last of 40 values, on a 7 times longer axis.
+  const braked = [...Array.from({ length: 38 }, (_, n) => (n % 2) / 2), -0.5, -4.5];
+  assert.ok(bounds(withoutOutliers(braked), 1).low > -4.5 && bounds(withoutOutliers(braked, 39), 1).low <= -4.5);
   // Braking to a stop is no outlier.
   const braking = [...Array.from({ length: 60 }, () => 30), ...Array.from({ length: 40 }, (_, n) => 30 * (1 - n / 39))];
   assert.equal(bounds(withoutOutliers(braking), 1).low, 0);

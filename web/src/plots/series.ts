@@ -80,15 +80,20 @@ export interface Bounds {
 const OUTLYING = 0.02;
 const MUCH_LONGER = 4;
 
-/** The known values without a few that lie far from all others, such as those of one false position. */
-export function withoutOutliers(values: readonly (number | null)[]): readonly number[] {
+/**
+ * The known values without a few that lie far from all others, such as those of one false position. The value at index
+ * `kept` is no outlier: the axis has what was decided on.
+ */
+export function withoutOutliers(values: readonly (number | null)[], kept?: number): readonly number[] {
   const known = values.filter((v): v is number => v !== null && Number.isFinite(v));
   const sorted = [...known].sort((a, b) => a - b);
   const cut = Math.max(1, Math.floor(sorted.length * OUTLYING));
   if (sorted.length < 20) return known;
   const inner = sorted.slice(cut, -cut);
   const length = (of: readonly number[]): number => (of.at(-1) ?? 0) - (of[0] ?? 0);
-  return length(inner) > 0 && length(sorted) > MUCH_LONGER * length(inner) ? inner : known;
+  if (!(length(inner) > 0 && length(sorted) > MUCH_LONGER * length(inner))) return known;
+  const decided = kept === undefined ? null : values[kept];
+  return typeof decided === "number" && Number.isFinite(decided) ? [...inner, decided] : inner;
 }
 
 /** Least and greatest known value with some room, at least `least` apart, round numbers at both ends. */

@@ -15,8 +15,10 @@ const TIME_AXIS_MAX_S = 10;
 export interface SignalRow {
   /** Signal id. */
   id: string;
-  /** In the reader's language. */
+  /** In the reader's language, as the head of its row. */
   name: string;
+  /** The same within a sentence. */
+  title: string;
   column: Column | null;
   /** How its numbers are shown. */
   scale: Scale;
@@ -81,12 +83,16 @@ export function signalRows(
     .map((id) => {
       const about = scene.about[id];
       // Lateral speeds are tenths of a meter per second, and rules state them in m/s.
-      const scale = scaleOf(about?.unit, id.includes("lateral") ? "m/s" : reader.speeds);
+      const ofUnit = scaleOf(about?.unit, id.includes("lateral") ? "m/s" : reader.speeds);
       const column = columnOf(scene.signals[id] ?? [], about?.kind ?? "category");
+      // Pure numbers that are all whole are counts.
+      const isCount = ofUnit.unit === "" && column?.kind === "line" && column.values.every((v) => v === null || !Number.isFinite(v) || Number.isInteger(v));
+      const scale = isCount ? { ...ofUnit, digits: 0 } : ofUnit;
       const [title, meaning] = [about?.title[reader.lang] ?? "", about?.meaning[reader.lang] ?? ""];
       return {
         id,
         name: title ? title[0]?.toUpperCase() + title.slice(1) : id,
+        title: title || id,
         column: column?.kind === "line" ? { ...column, values: scaled(column.values, scale) } : column,
         scale,
         meaning: [meaning, id].filter(Boolean).join("\n"),

@@ -78,5 +78,5 @@ export function objectsAt(scene: SceneView, i: number, target: string | null): L
     out.push(seen);
   }
   const rank = (o: ListedObject): number => (o.id === target ? 0 : 1);
-  return out.sort((a, b) => rank(a) - rank(b) || (a.distance ?? 0) - (b.distance ?? 0) || a.id.localeCompare(b.id));
+  return out.sort((a, b) => rank(a) - rank(b) || (a.gap ?? 0) - (b.gap ?? 0) || a.id.localeCompare(b.id));
 }

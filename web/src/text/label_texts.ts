@@ -91,8 +91,8 @@ export const labelTexts = {
   "plot.not_yet": ["关键帧之前未知", "unknown up to the keyframe"],
   "plot.empty": ["另有 {n} 个信号没有值（无或未知）", "{n} more {n:signal|signals} without a value (none or unknown)"],
   "plot.uncertain": [
-    "≈：关键帧前最后约 0.2 s（及行程两端）只由一侧的数据求得，另一侧的数据会改变它；阴影为一个标准差",
-    "≈: in about the last 0.2 s before the keyframe (and at the ends of the drive) computed from one side only; data of the other side would change it. Shaded: one standard deviation",
+    "≈：关键帧前不到 1 s（及行程两端）只由一侧的数据求得，或是尚未驶过的路上的距离，之后的数据会改变它；阴影为一个标准差",
+    "≈: shortly before the keyframe (and at the ends of the drive) computed from one side only, or a distance along a way that is not driven yet; later data would change it. Shaded: one standard deviation",
   ],
   "plot.uncertain_action": [
     "≈：末尾 0.5 s 内的动作可能因后续数据而改变",
@@ -258,7 +258,7 @@ export const labelTexts = {
   "safety.reject": ["剔除", "Reject"],
   "class.variant_unknown": ["{name}（变体未知）", "{name} (variant unknown)"],
   "stage.l2_only": ["阶段一只显示 L2 场景；有 L3 场景时，锁定后显示它和标注规范。", "Stage I names only the L2 scenario. An L3 scenario, where there is one, and its specification follow when it is locked."],
-  "dec.others": ["其他（{n}）", "{n} {n:other|others}"],
+  "dec.others": ["其他（{n}）", "more ({n})"],
   "dec.few": ["收起", "Fewer"],
   "dec.contradicts": ["决策表中不属于该场景", "Not a decision of this scenario in the decision table"],
 

@@ -183,7 +183,7 @@ export const screenTexts = {
   "tasks.filter.assignee": ["执行人", "Assignee"],
   "tasks.filter.mine": ["只看我的", "Mine only"],
   "tasks.filter.q": ["搜索", "Search"],
-  "tasks.filter.q.hint": ["场景、人员、编号", "Class, person, id"],
+  "tasks.filter.q.hint": ["场景、人员、编号", "Class, user, id"],
   "tasks.pictures": ["您也是标注员：只显示您打开过的任务的缩略图，别的会透露后续。", "You are also an annotator: only tasks that you have opened have a picture, since others show what comes later."],
   "tasks.filter.meant": ["按名称筛选：", "Filter by name:"],
   "tasks.filter.any": ["全部", "all"],
@@ -212,7 +212,7 @@ export const screenTexts = {
   "tasks.bulk.keep": ["不变", "unchanged"],
   "tasks.bulk.changed": ["已更改 {n} 个任务。", "{n} {n:task|tasks} changed."],
   "tasks.bulk.refused": ["{n} 个任务未更改：", "{n} {n:task was|tasks were} not changed:"],
-  "tasks.filter.to_choose": ["待采用", "To choose"],
+  "tasks.filter.to_choose": ["待采用", "to choose"],
   "tasks.filter.to_choose.hint": [
     "独立标注已全部提交、尚未采用其中一份：打开一份后采用；采用之前不质检、不导出",
     "All independent labels are handed in and none was chosen: open one to choose; before that none is checked or exported",
@@ -304,7 +304,7 @@ export const screenTexts = {
     "{n} 个事件的独立标注已全部提交，等待负责人采用其中一份。",
     "{n} {n:episode waits|episodes wait} for a lead to choose one of the independent labels.",
   ],
-  "dash.submitted.other_labels": ["等待其他人的标注", "Waits for other labels"],
+  "dash.submitted.other_labels": ["等待其他人的标注", "waiting for other labels"],
   "dash.submitted.other_labels.hint": [
     "同一事件的其他独立标注尚未提交，或已采用另一份：不能质检。",
     "Other independent labels of the episode are not handed in, or one was chosen before: cannot be checked.",
@@ -480,6 +480,10 @@ export const screenTexts = {
   "episodes.similar": ["相似事件", "More like this"],
   "episodes.none_similar": ["没有可比较的事件。", "No episode to compare with."],
   "episodes.right_leaf": ["正确的场景", "The right scenario"],
+  "episodes.score": ["得分 {n}", "score {n}"],
+  "episodes.score.hint": ["未校准的得分：只能与同一场景的其他事件比较，不是判对的比例", "Not calibrated: comparable only within a scenario, not the share that is right"],
+  "episodes.share.hint": ["校准的得分：这样的事件中判对的比例", "Calibrated: the share of such episodes that is right"],
+  "episodes.leaf_pick": ["请选择", "Choose"],
   "episodes.leaf_unknown": ["不确定", "not sure"],
   "episodes.barred": [
     "您正在做此行程一个任务的阶段一；请先完成该任务或将其退回队列。",

@@ -64,6 +64,14 @@ fn is_of_lanes(episode: &EpisodeRecord) -> bool {
     matches!(episode.scenario_id.l2.as_deref(), Some("lane_change" | "merge_interaction"))
 }
 
+/// What is said of a road user that stands.
+const STANDS: (&str, &str) = ("静止不动", "is standing still");
+
+/// True if the text says that its subject stands.
+pub(super) fn says_standing(text: &str) -> bool {
+    text.contains(STANDS.0) || text.contains(STANDS.1)
+}
+
 /// How the position of a road user is described.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Named {
@@ -252,7 +260,7 @@ impl Scene<'_> {
         let doing = if let Some((zh, en)) = doing {
             Bilingual::new(zh, en)
         } else if is_fixed || (stands.is_true() && !moves_off) {
-            Bilingual::new("静止不动", "is standing still")
+            Bilingual::new(STANDS.0, STANDS.1)
         } else if class.is_vru() && holds("target.on_crosswalk") {
             Bilingual::new("正在斑马线上通行", "is on the crosswalk")
         } else if class.is_vru() && number("target.crossing_angle").is_some_and(|a| a > 20_f64.to_radians()) {

@@ -182,6 +182,11 @@ impl<'a> Moment<'a> {
         }
     }
 
+    /// The log states the route here.
+    pub(super) fn knows_route(&self) -> bool {
+        self.category("route.command").is_some() || self.flag("route.lane_fits") != Tri::Unknown
+    }
+
     fn flag(&self, name: &str) -> Tri {
         match name {
             "around.clear" => self.clear(),

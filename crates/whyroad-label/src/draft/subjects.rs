@@ -2,7 +2,7 @@
 //! room for it, and what is nearer than the subject of the class. Everything but the words is the same in both
 //! languages.
 
-use super::components::{Scene, is_light};
+use super::components::{Scene, is_light, says_standing};
 use super::lead::Lead;
 use super::moment::Moment;
 use super::trace::{self, StateOrder};
@@ -36,13 +36,18 @@ impl How<'_> {
     }
 
     /// Gives each component the text that it has in Stage I, for which less was known about the subject of the class.
-    fn reword(&self, components: &mut [CriticalComponent]) {
+    /// True if that says of one that it stands, where the whole drive shows otherwise.
+    fn reword(&self, components: &mut [CriticalComponent]) -> bool {
+        let mut moved = false;
         let mut left: Vec<&CriticalComponent> = self.listed.into_iter().flatten().collect();
         for c in components {
             if let Some(at) = left.iter().position(|of| is_same(of, c)) {
-                c.description.clone_from(&left.remove(at).description);
+                let listed = &left.remove(at).description;
+                moved |= says_standing(listed) && !says_standing(&c.description);
+                c.description.clone_from(listed);
             }
         }
+        moved
     }
 }
 
@@ -76,6 +81,8 @@ pub(super) struct Subjects {
     /// Index of the component that is the cause of the longitudinal decision.
     pub along: usize,
     pub by_light: bool,
+    /// Stage I lists one as standing that does not stand: what is said of its motion would contradict that.
+    pub has_moved: bool,
 }
 
 impl Named<'_> {
@@ -128,10 +135,8 @@ impl Named<'_> {
             }
         }
         components.truncate(trace::MOST_IN_STATE);
-        if lang == self.how.lang {
-            self.how.reword(&mut components);
-        }
-        Subjects { components, order, of_turn, along, by_light }
+        let has_moved = lang == self.how.lang && self.how.reword(&mut components);
+        Subjects { components, order, of_turn, along, by_light, has_moved }
     }
 }
 

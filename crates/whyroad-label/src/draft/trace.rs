@@ -684,6 +684,13 @@ pub(super) fn seen(
     }
     let texts = &framework.draft_texts;
     let seen = texts.seen(class)?;
+    // Before the ego's way is known, only the log tells its route.
+    if seen.category == Some(ComponentCategory::RoutingIntent)
+        && !moment.has_course()
+        && !moment.knows_route()
+    {
+        return None;
+    }
     let told = if moment.has_course() {
         texts.seen_when(class).iter().find_map(|w| when_told(w, moment, lang))
     } else {

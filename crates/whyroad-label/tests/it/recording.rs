@@ -190,6 +190,8 @@ fn components_are_compared_with_the_history_before_anything_is_locked() {
         ("右侧的公交车正在横穿", "bus", vec![("label.object.position", true)]),
         // It is not in the history.
         ("前方的轿车正在减速", "late", vec![("label.object.unknown", true)]),
+        ("a car crosses the junction ahead at 50 km/h", "car", vec![("label.object.state", false)]),
+        ("the car is oncoming", "car", vec![("label.object.position", false)]),
         // True of them.
         ("前方 10 m 处的轿车正在慢行", "car", vec![]),
         ("前方的轿车以时速 20 公里行驶", "car", vec![]),

@@ -23,8 +23,10 @@ pub struct EpisodeCard {
     /// Seconds from the start of the drive to the keyframe; absent where the lake does not have the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keyframe_s: Option<f64>,
-    /// Score, 0 to 1.
+    /// Score, 0 to 1: the share of such episodes that is right where `calibrated`, else comparable only within a class.
     pub score: f64,
+    /// The score was calibrated with verdicts.
+    pub calibrated: bool,
     /// It is the primary episode of its moment.
     pub is_primary: bool,
     /// The caller's verdict.

@@ -48,7 +48,7 @@ fn replace_frozen_hint(f: &mut Finding, veiled: bool) {
         ("label.trace.unnamed_object", _) => {
             ("从因果描述中删去，或改说已列出的要素", "remove it from the trace, or name a listed component")
         }
-        ("label.cause.kind", _) => {
+        ("label.cause.kind" | "label.cause.no_effect", _) => {
             ("关联另一个要素，或改决策", "link another component, or change the decision")
         }
         ("label.text.class", _) => {

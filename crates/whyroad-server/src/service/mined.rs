@@ -173,6 +173,7 @@ fn card(e: &EpisodeRecord, start: Option<Nanos>, verdict: Option<VerdictKind>) -
         keyframe: e.keyframe.timestamp.to_string(),
         keyframe_s: start.map(|start| e.keyframe.timestamp.seconds_since(start)),
         score: e.score,
+        calibrated: e.calibrated == Some(true),
         is_primary: e.is_primary,
         verdict,
     }

@@ -3,7 +3,7 @@
 
 use crate::check::texts::Texts;
 use crate::check::view::View;
-use crate::counterfactual::{Removed, counterfactual};
+use crate::counterfactual::{HORIZON_S, Removed, counterfactual};
 use crate::driven::Driven;
 use whyroad_framework::LabelWords;
 use whyroad_framework::check::{Finding, Sink, Slot, Words};
@@ -62,8 +62,15 @@ pub(super) fn check(
         };
         let m = other.distance_m;
         Words::new(
-            format!("去掉标注的原因，自车的行驶不变；去掉{}，自车在 8 s 内会多行驶 {m:.0} m", what.zh),
-            format!("without the named cause the ego would drive the same; without {} it would drive {m:.0} m farther in 8 s", what.en),
+            format!(
+                "按驾驶员模型估计：去掉标注的原因，自车的行驶不变；去掉{}，自车在 {HORIZON_S:.0} s 内会多行驶约 {m:.0} m",
+                what.zh
+            ),
+            format!(
+                "a driver model estimates: without the named cause the ego would drive the same; without {} it \
+                 would drive about {m:.0} m farther within {HORIZON_S:.0} s",
+                what.en
+            ),
         )
         .hint("关联真正限制自车的目标", "link the object that held the ego")
     });

@@ -360,3 +360,50 @@ fn who_is_in_the_lane_does_not_come_into_it() {
     assert!(comes(&told(false, false, 0.5)), "{}", told(false, false, 0.5));
     assert!(comes(&told(true, false, 0.5)), "the rest of it is still coming");
 }
+
+/// LABELING.md 3: only what could be observed at or before the keyframe. A log without a route shows none before the
+/// ego has driven; a command of the navigation does.
+#[test]
+fn stage_one_states_a_route_only_where_the_log_has_one() {
+    let routes = |command: Option<&str>| {
+        let drive = fixture::drive("d");
+        let mut signals = fixture::signals(&drive);
+        if let Some(command) = command {
+            let codes = vec![0; fixture::FRAMES];
+            signals.frame_columns.insert("route.command".into(), category(&[command], codes));
+        }
+        let mut episode = fixture::episode(&drive);
+        episode.scenario_id = "proactive.lane_change.navigation".parse().unwrap();
+        episode.target_id = None;
+        let all = components(Framework::bundled(), &drive, &signals, &episode, Lang::En);
+        all.iter().filter(|c| is_route(c)).count()
+    };
+    assert_eq!(routes(None), 0);
+    assert!(routes(Some("right")) > 0);
+}
+
+/// Somebody who stood up to the keyframe, according to Stage I, and walks in the whole drive: a text that says both is
+/// written by nobody.
+#[test]
+fn a_draft_does_not_say_that_somebody_stands_and_comes_over() {
+    let drive = fixture::drive("d");
+    let mut signals = fixture::signals(&drive);
+    // A pedestrian walking across gets onto the path 3 s after the keyframe, 10 m ahead of the ego.
+    with_speed(&mut signals, |f| 10.0 - 0.1 * f.saturating_sub(44) as f64);
+    of_target(&mut signals, "target.longitudinal", 20.0);
+    by_frame(&mut signals, "target.path_lateral", |f| 1.3 * (7.0 - 0.1 * f as f64));
+    by_frame(&mut signals, "target.path_longitudinal", |f| if f < 50 { 20.0 } else { 10.0 });
+    signals
+        .target_columns
+        .insert("target.moves_along".into(), category(&["across"], vec![0; fixture::FRAMES]));
+    let mut episode = fixture::episode(&drive);
+    episode.scenario_id = "reactive_agent.vru_crossing.horizontal".parse().unwrap();
+    let framework = Framework::bundled();
+    let mut listed = draft(framework, &drive, &signals, &episode, Lang::En).label.critical_components;
+    let drafted = |listed: &[CriticalComponent]| {
+        draft_of_listed(framework, &drive, &signals, &episode, Lang::En, listed).doubt
+    };
+    assert!(!listed.is_empty() && drafted(&listed).is_none(), "{listed:?}");
+    listed[0].description = "the pedestrian ahead on the right is standing still".into();
+    assert_eq!(drafted(&listed), Some(Doubt::Words));
+}

@@ -139,7 +139,7 @@ pub(super) fn speed(
 ) {
     let Some(text) = c.description.get() else { return };
     let speeds = words.quantities.find(text, "km/h");
-    let ([said], true, false) = (speeds.as_slice(), names_speed(text), names_place(text)) else {
+    let ([said], true, false) = (speeds.as_slice(), names_speed(text), names_other_speed(text)) else {
         return;
     };
     let is = said.value;
@@ -160,10 +160,18 @@ fn names_speed(text: &str) -> bool {
     ["时速", "车速", "km/h", "kph", "公里/小时", "每小时"].iter().any(|w| text.contains(w))
 }
 
+/// The text names a limit, or the ego's speed, to which a speed could belong; that of a road user in a junction is its
+/// own.
+fn names_other_speed(text: &str) -> bool {
+    let lower = text.to_ascii_lowercase();
+    ["限速", "limit", "自车车速"].iter().any(|w| lower.contains(w))
+}
+
 /// The text calls the thing oncoming.
 fn said_oncoming(text: &str, n: &Named) -> bool {
     let before = text[..n.start].to_ascii_lowercase();
     ["对向的", "对向", "迎面而来的", "迎面驶来的", "oncoming "].iter().any(|w| before.ends_with(w))
+        || text[n.end..].to_ascii_lowercase().starts_with(" is oncoming")
 }
 
 /// The text places the thing behind the ego.
