@@ -158,12 +158,15 @@ pub fn not_chosen(tx: &mut dyn Tx, project: &str, format: &ExportFormat) -> Answ
 pub fn report_not_chosen(episodes: i64) -> Diagnostic {
     let message = Bilingual::new(
         format!("{episodes} 个事件有多份独立标注，尚未采用其中一份：未导出"),
-        format!("{episodes} episodes have several independent labels of which none was chosen: not exported"),
+        format!(
+            "{} several independent labels of which none was chosen: not exported",
+            if episodes == 1 { "1 episode has".to_owned() } else { format!("{episodes} episodes have") }
+        ),
     );
     let hint = Bilingual::new(
         "由负责人采用：页面“任务”中的“待采用”，或 POST /tasks/{t}/actions {\"action\": \"adjudicate\"}；\
          尚未标注的份先标注或跳过",
-        "a lead chooses one: under Tasks, \"To choose\", or by POST /tasks/{t}/actions {\"action\": \"adjudicate\"}; \
+        "a lead chooses one: under Tasks, \"to choose\", or by POST /tasks/{t}/actions {\"action\": \"adjudicate\"}; \
          copies that are not labeled yet are labeled or skipped before",
     );
     Diagnostic::warning(NOT_CHOSEN, message).with_hint(hint)

@@ -21,9 +21,12 @@ pub fn of(tx: &mut dyn Tx, project: &str, user: &str, roles: &[Role], now: i64) 
         Hidden::of(tx, project, user, roles)?.without(&mut by_state);
     }
     let mut count = |sql: &str, values: &[Cell]| tx.row(sql, values)?.map_or(Ok(0), |r| r.int("n"));
+    // A label of which another one was chosen is in no list either.
     let mut authored = |states: &str| {
         let sql = format!(
-            "SELECT count(*) AS n FROM tasks WHERE project_id = $1 AND author = $2 AND state IN ({states})"
+            "SELECT count(*) AS n FROM tasks
+             WHERE project_id = $1 AND author = $2 AND state IN ({states}) AND {}",
+            disagreement::NOT_SUPERSEDED
         );
         count(&sql, values![project, user])
     };

@@ -156,7 +156,7 @@ fn throughput_is_by_day_person_and_action_and_ageing_by_rest() {
 /// in, only single labels and chosen ones can be checked. Counted by hand.
 #[test]
 fn labels_that_nobody_can_check_are_not_shown_as_waiting_for_a_check() {
-    let (board, all, listed, hidden) = on_store(|tx| {
+    let (board, all, listed, hidden, own) = on_store(|tx| {
         let copy = |id: &'static str, episode: &'static str, state: &'static str, hours: i64| Made {
             overlap: 3,
             updated: NOW - hours * 3_600_000,
@@ -206,8 +206,11 @@ fn labels_that_nobody_can_check_are_not_shown_as_waiting_for_a_check() {
             let roles = [crate::domain::workflow::Role::Annotator, crate::domain::workflow::Role::Checker];
             crate::service::recognized::Hidden::of(tx, "p", "b", &roles).unwrap()
         };
-        (board, all, listed, hidden)
+        // Of the author of all copies of e3, two overruled.
+        let own = crate::service::work::of(tx, "p", "a", &[], NOW).unwrap().mine.waiting;
+        (board, all, listed, hidden, own)
     });
+    assert_eq!(own, 6, "as by state: an overruled label waits for nothing");
     let state = |of: &BTreeMap<String, i64>, word: &str| of.get(word).copied().unwrap_or(0);
     assert_eq!((state(&board.by_state, "submitted"), state(&board.by_state, "stage1")), (6, 1));
     let waiting = |check, choice, other_labels| WaitingLabels { check, choice, other_labels };

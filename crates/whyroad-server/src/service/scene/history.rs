@@ -7,7 +7,11 @@ use std::collections::BTreeSet;
 
 /// Half of the window of a derivative, s (`schema/signals.yaml`, `ego.jerk`): nearer to the end it is one-sided.
 const REACH_S: f64 = 0.2;
-/// The signal that is a derivative of a derivative: one-sided it is mostly noise.
+/// Half of the window of an acceleration that is computed from positions, s.
+const ACCEL_REACH_S: f64 = 0.3;
+const ACCEL: &str = "ego.accel";
+/// The derivative of the acceleration: one-sided it is mostly noise, and uncertain wherever its window has an
+/// acceleration that is.
 const JERK: &str = "ego.jerk";
 
 /// Actions of the ego: a run that is shorter joins the one before, s (`schema/signals.yaml`, `ego.meta_longitudinal`).
@@ -22,6 +26,15 @@ pub(super) fn withhold_uncertain(view: &mut SceneView) {
     let near = view.t_s.iter().map(|t| *t > end - REACH_S + 1e-3);
     jerk.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(v, _)| *v = Value::Null);
 }
+
+/// Distances along the ego's way. Beyond the end of the drive its way is assumed to lead along the lane: what it has not
+/// reached there may be nearer or farther.
+const AHEAD: [&str; 4] = [
+    "map.distance_to_junction",
+    "map.distance_to_crosswalk",
+    "map.distance_to_stop_line",
+    "light.distance_to_stop_line",
+];
 
 /// Units of rates of change, which are computed from what is on both sides of a moment.
 const RATES: [&str; 3] = ["m/s2", "m/s3", "rad/s"];
@@ -42,16 +55,17 @@ pub(super) struct Ends {
 pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]) {
     let n = view.t_s.len();
     let (Some(first), Some(last)) = (view.t_s.first().copied(), view.t_s.last().copied()) else { return };
-    let start = view.t_s.partition_point(|t| *t < first + REACH_S - 1e-3);
-    let end = view.t_s.partition_point(|t| *t <= last - REACH_S + 1e-3);
+    let t_s = &view.t_s;
+    let start_of = |reach: f64| t_s.partition_point(|t| *t < first + reach - 1e-3);
+    let end_of = |reach: f64| t_s.partition_point(|t| *t <= last - reach + 1e-3);
     // Within the shortest run of the end what follows may change an action.
-    let last_run = view.t_s.partition_point(|t| *t <= last - LEAST_RUN_S + 1e-3);
+    let last_run = end_of(LEAST_RUN_S);
     if ends.end && last_run < n {
         view.uncertain.extend(ACTIONS.map(|name| (name.to_owned(), vec![[last_run, n]])));
     }
     let is_rate = |unit: Option<&str>| unit.is_some_and(|unit| RATES.contains(&unit));
     let read = view.about.iter().filter(|(_, a)| is_rate(a.unit.as_deref())).map(|(name, _)| name.clone());
-    let of_ego = ["ego.accel", "ego.yaw_rate"].map(str::to_owned);
+    let of_ego = [ACCEL, "ego.yaw_rate"].map(str::to_owned);
     // A speed that is computed from positions alone is a rate of change, too.
     let has_no_spread = |name: &&str| !view.deviations.contains_key(*name);
     let speeds = SPEEDS.into_iter().filter(has_no_spread).map(str::to_owned);
@@ -61,7 +75,9 @@ pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]
     for name in names.into_iter().filter(|name| !measured.contains(&name.as_str())) {
         let known = view.deviations.get(&name);
         let wide = |from_start| known.map_or(0, |deviations| wide_end(deviations, from_start));
-        let (start, end) = if rates.contains(&name) { (start, end) } else { (0, n) };
+        let has_speeds = SPEEDS.iter().any(|speed| measured.contains(speed));
+        let reach = if name.ends_with(".accel") && !has_speeds { ACCEL_REACH_S } else { REACH_S };
+        let (start, end) = if rates.contains(&name) { (start_of(reach), end_of(reach)) } else { (0, n) };
         let mut ranges = Vec::new();
         if ends.start {
             ranges.push([0, start.max(wide(true)).min(n)]);
@@ -74,6 +90,21 @@ pub(super) fn mark_uncertain(view: &mut SceneView, ends: Ends, measured: &[&str]
             view.uncertain.insert(name, ranges);
         }
     }
+    for name in AHEAD.iter().filter(|_| ends.end) {
+        let values = view.signals.get(*name).map_or(&[][..], Vec::as_slice);
+        let ahead = values.iter().rev().take_while(|v| v.as_f64().is_some_and(|v| v > 0.0)).count();
+        if ahead > 0 {
+            view.uncertain.insert((*name).to_owned(), vec![[values.len() - ahead, values.len()]]);
+        }
+    }
+    // After all others: it needs the acceleration's.
+    let (Some(accel), true) = (view.uncertain.get(ACCEL), view.uncertain.contains_key(JERK)) else { return };
+    let widened = accel.iter().map(|&[from, to]| {
+        let before = if from == 0 { 0 } else { t_s.partition_point(|t| *t < t_s[from] - REACH_S - 1e-3) };
+        [before, t_s.partition_point(|t| *t <= t_s[to - 1] + REACH_S + 1e-3)]
+    });
+    let widened = widened.collect();
+    view.uncertain.insert(JERK.to_owned(), widened);
 }
 
 /// Number of frames from the start, or from the end, whose deviations are all much longer than in the middle.
@@ -95,9 +126,10 @@ fn wide_end(deviations: &[Option<f64>], from_start: bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::scene::{MetaView, TrackView};
+    use crate::domain::scene::{MetaView, SignalAbout, SignalKind, TrackView};
     use crate::domain::workflow::Stage;
     use serde_json::json;
+    use whyroad_model::Bilingual;
 
     fn view(stage: Stage, n: usize, speed: f64, accel: Value) -> SceneView {
         SceneView {
@@ -147,7 +179,11 @@ mod tests {
         let at_end = Ends { start: false, end: true };
         let mut before = view(Stage::Stage1, 6, 11.0, json!(0.25));
         mark_uncertain(&mut before, at_end, &["ego.yaw_rate"]);
-        assert_eq!(before.uncertain.remove("ego.accel"), Some(vec![[4, 6]]), "seconds before the end");
+        assert_eq!(
+            before.uncertain.remove("ego.accel"),
+            Some(vec![[3, 6]]),
+            "from positions: 0.3 s to either side"
+        );
         assert!(!before.uncertain.contains_key("ego.yaw_rate"), "the log has it");
         assert_eq!(before.uncertain["ego.forward_speed"], [[4, 6]], "from positions");
         before.uncertain.clear();
@@ -166,7 +202,38 @@ mod tests {
         let mut after = view(Stage::Stage2, 9, 14.4, json!(-1.5));
         after.deviations.insert("ego.accel".into(), vec![Some(0.3); 9]);
         mark_uncertain(&mut after, Ends { start: true, end: true }, &["ego.yaw_rate"]);
-        assert_eq!(after.uncertain["ego.accel"], [[0, 2], [7, 9]], "not at the keyframe, frame 4");
+        assert_eq!(after.uncertain["ego.accel"], [[0, 3], [6, 9]], "not at the keyframe, frame 4");
+    }
+
+    /// Frames every 0.1 s. An acceleration from measured speeds is one-sided in the last 2 frames: the window of a
+    /// jerk reaches them from 2 frames before. With a measured acceleration, only its own window is one-sided.
+    #[test]
+    fn a_jerk_is_uncertain_where_an_acceleration_in_its_window_is() {
+        let at_end = Ends { start: false, end: true };
+        let nothing = Bilingual::new("", "");
+        let (kind, unit) = (SignalKind::Number, Some("m/s3".into()));
+        let about = SignalAbout { kind, unit, title: nothing.clone(), meaning: nothing };
+        let mut before = view(Stage::Stage1, 9, 11.0, json!(0.25));
+        before.about.insert(JERK.into(), about);
+        mark_uncertain(&mut before, at_end, &["ego.speed"]);
+        assert_eq!((&before.uncertain[ACCEL], &before.uncertain[JERK]), (&vec![[7, 9]], &vec![[5, 9]]));
+        before.uncertain.clear();
+        mark_uncertain(&mut before, at_end, &["ego.speed", ACCEL]);
+        assert_eq!(before.uncertain[JERK], [[7, 9]]);
+    }
+
+    /// A junction that the ego has left, and one that it has not reached when the drive ends: where it will enter that
+    /// one is not known (on a recorded drive the two ways differed by 5.5 m).
+    #[test]
+    fn what_lies_beyond_the_end_of_the_drive_is_at_an_uncertain_distance() {
+        let values = json!([2.0, 0.0, 0.0, 30.0, 29.0]);
+        let mut before = view(Stage::Stage1, 5, 11.0, json!(0.25));
+        before.signals.insert(AHEAD[0].into(), values.as_array().cloned().unwrap_or_default());
+        mark_uncertain(&mut before, Ends { start: false, end: true }, &[]);
+        assert_eq!(before.uncertain[AHEAD[0]], [[3, 5]]);
+        before.uncertain.clear();
+        mark_uncertain(&mut before, Ends { start: true, end: false }, &[]);
+        assert!(!before.uncertain.contains_key(AHEAD[0]), "the drive goes on");
     }
 
     #[test]

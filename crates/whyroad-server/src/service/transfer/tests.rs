@@ -95,7 +95,7 @@ fn of_several_labels_of_an_episode_only_the_chosen_one_goes_out() {
     let report = report_not_chosen(1);
     assert_eq!(report.code, NOT_CHOSEN);
     let hint = report.hint.unwrap();
-    assert!(hint.en.contains("To choose") && hint.zh.contains("待采用"), "{hint:?}");
+    assert!(hint.en.contains("to choose") && hint.zh.contains("待采用"), "{hint:?}");
     let whole = ExportFormat::from_words(Some("tasks"), None, None).unwrap();
     assert_eq!(export(&app.store, "p", &whole).unwrap().lines().count(), 4);
     assert_eq!(app.store.read(|tx| not_chosen(tx, "p", &whole)).unwrap(), 0);
