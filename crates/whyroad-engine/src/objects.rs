@@ -57,6 +57,7 @@ fn joined(
     table.frame_columns = whole.frame_columns;
     table.unavailable.extend(whole.unavailable);
     table.partial = whole.partial;
+    table.without_boxes.extend(whole.without_boxes);
     if of_targets {
         // Both have the tracks in the same rows.
         debug_assert_eq!(table.targets, whole.targets);

@@ -28,7 +28,7 @@ pub use write::write_signals;
 use crate::LakeError;
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 use std::path::Path;
 use whyroad_model::signal::TargetSpan;
@@ -86,6 +86,9 @@ pub struct StoredDrive {
     /// Signals that are known only where other data proves them, with what the log would need.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub partial: BTreeMap<String, Vec<Need>>,
+    /// Classes of objects of which no box is known.
+    #[serde(default, skip_serializing_if = "BTreeSet::is_empty")]
+    pub without_boxes: BTreeSet<ObjectClass>,
     /// The words of each category signal, in the order of their codes.
     pub words: BTreeMap<String, Vec<String>>,
     /// Columns that other drives of the same files have and this one lacks, although they are not unavailable.

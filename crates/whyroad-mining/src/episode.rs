@@ -3,6 +3,7 @@
 
 pub mod arbitrate;
 pub(crate) mod build;
+pub mod kinds;
 pub mod moment;
 pub(crate) mod observable;
 pub(crate) mod pairs;

@@ -2,7 +2,7 @@
 
 use crate::pair::PairTable;
 use crate::{Column, DriveId, FrameRange, Nanos, Need, ObjectClass, TrackId};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The first clause of a signal's meaning: what it is, without how it is computed. A signal that the clause refers to
 /// by its id is replaced by the first clause of its own meaning, which `meaning` returns.
@@ -60,6 +60,8 @@ pub struct SignalTable {
     /// data proves them (a junction where the ego turns, without a map). A class that needs one is found there, but the
     /// drive does not count as searched for it.
     pub partial: BTreeMap<String, Vec<Need>>,
+    /// Classes of objects of which no box is known in any frame: what needs their sizes is unknown.
+    pub without_boxes: BTreeSet<ObjectClass>,
     /// Signals of pairs, where a rule uses them; then the ego may be the last of `targets`.
     pub pairs: Option<PairTable>,
 }

@@ -8,7 +8,7 @@ use crate::ego::motion::EgoMotion;
 use crate::ego::{bus, motion};
 use crate::estimate::with_possible_sizes;
 use crate::estimate::{Deviations, add_derived, estimate, estimated, estimated_at_the_end};
-use crate::needs::missing;
+use crate::needs::{missing, missing_in_part};
 use crate::road::context::{self, Channels};
 use crate::road::ego_lane::{self, EgoLane};
 use crate::road::network::Road;
@@ -74,6 +74,7 @@ fn derive_part(drive: &Drive, part: Part, wanted: &Wanted) -> SignalTable {
     let drive = &*estimated.drive;
     let missing = missing(drive);
     let mut table = TableBuilder::new(Catalog::bundled(), drive, wanted);
+    let in_part = missing_in_part(drive, table.without_boxes()).filter(|need| !missing.contains(need));
     let network = drive.map.as_ref().filter(|_| !missing.contains(&Need::Map)).map(Road::new);
     let mut ego = EgoStage::new(drive, &missing);
     if let Some(ego) = &mut ego {
@@ -89,7 +90,7 @@ fn derive_part(drive: &Drive, part: Part, wanted: &Wanted) -> SignalTable {
                 if table.asks(wanted::UNPLACED) {
                     PlacedStage::new(&on_road, PlacedRows::None).write_unplaced(&mut table);
                 }
-                let mut table = table.finish(&missing);
+                let mut table = table.finish(&missing, in_part);
                 estimated.complete(&mut table);
                 return table;
             }
@@ -108,7 +109,7 @@ fn derive_part(drive: &Drive, part: Part, wanted: &Wanted) -> SignalTable {
             }
         }
     }
-    let mut table = table.finish(&missing);
+    let mut table = table.finish(&missing, in_part);
     estimated.complete(&mut table);
     table
 }

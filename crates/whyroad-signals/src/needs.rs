@@ -1,8 +1,10 @@
 //! The data that signals need and a log lacks.
 
+use crate::estimate::usual_size;
+use crate::target::placement::footprint;
 use std::collections::BTreeSet;
 use whyroad_model::road_map::{Lane, LaneMark, MapLayer};
-use whyroad_model::scene::FrameOfReference;
+use whyroad_model::scene::{FrameOfReference, Track};
 use whyroad_model::vocabulary::{FACILITY_KINDS, SIGN_KINDS};
 use whyroad_model::{Drive, Need, ObjectClass};
 
@@ -27,7 +29,7 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
         missing.insert(Need::Objects);
     }
     // In a log without tracks no size can be missing.
-    let sized = |t: &whyroad_model::scene::Track| t.length_m.iter().any(|l| l.is_finite());
+    let sized = |t: &Track| t.length_m.iter().any(|l| l.is_finite());
     let ego_sized = ego.is_none_or(|e| e.length_m.is_finite() && e.width_m.is_finite());
     if !ego_sized || (!drive.tracks.is_empty() && !drive.tracks.iter().any(sized)) {
         missing.insert(Need::ObjectSizes);
@@ -51,6 +53,20 @@ pub fn missing(drive: &Drive) -> BTreeSet<Need> {
     missing.extend(missing_layers(drive));
     missing.extend(missing_context(drive));
     missing
+}
+
+/// Data that this log has of some kinds of objects only: sizes of people, who are all of much the same size, beside
+/// vehicles without any. Nothing that is [`missing`] altogether.
+pub fn missing_in_part(drive: &Drive, without_boxes: &BTreeSet<ObjectClass>) -> Option<Need> {
+    let mut others = drive.tracks.iter().map(|t| t.class).filter(|c| usual_size(*c).is_none()).peekable();
+    (others.peek().is_some() && others.all(|c| without_boxes.contains(&c))).then_some(Need::ObjectSizes)
+}
+
+/// Classes of objects of which no box is known in any row.
+pub fn without_boxes(drive: &Drive) -> BTreeSet<ObjectClass> {
+    let has_box = |t: &&Track| (0..t.frames.len()).any(|row| footprint(t, row).is_known());
+    let boxed: BTreeSet<ObjectClass> = drive.tracks.iter().filter(has_box).map(|t| t.class).collect();
+    drive.tracks.iter().map(|t| t.class).filter(|c| !boxed.contains(c)).collect()
 }
 
 /// Layers that the map does not have.

@@ -15,7 +15,7 @@ pub use scene::{Objects, WithPairs};
 use crate::catalog::Catalog;
 use crate::estimate::estimated;
 use crate::estimate::with_possible_sizes;
-use crate::needs::missing;
+use crate::needs::{missing, without_boxes};
 use crate::road::network::Road;
 use crate::series::seconds;
 use body::Body;
@@ -46,6 +46,7 @@ pub fn derive_objects(
         drive_id: drive.meta.drive_id.clone(),
         times: drive.times.clone(),
         targets: spans(drive, &bodies),
+        without_boxes: without_boxes(drive),
         ..SignalTable::default()
     };
     let mut possible = BTreeSet::new();

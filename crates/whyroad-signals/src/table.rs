@@ -2,6 +2,7 @@
 //! constant in [`whyroad_model::catalog::id`]. A family only computes values.
 
 use crate::catalog::{Catalog, SignalKind};
+use crate::needs::without_boxes;
 use crate::wanted::Wanted;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use whyroad_model::catalog::{
 };
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::signal::TargetSpan;
-use whyroad_model::{Column, Drive, Need, SignalId, SignalTable, Tri};
+use whyroad_model::{Column, Drive, Need, ObjectClass, SignalId, SignalTable, Tri};
 
 /// A column of a target signal: one value per row of the table.
 #[derive(Clone, Debug)]
@@ -91,6 +92,7 @@ impl<'a> TableBuilder<'a> {
             drive_id: drive.meta.drive_id.clone(),
             times: drive.times.clone(),
             targets,
+            without_boxes: without_boxes(drive),
             ..SignalTable::default()
         };
         let unobserved = |&frame: &usize| drive.meta.are_objects_unknown(drive.times[frame]);
@@ -101,6 +103,11 @@ impl<'a> TableBuilder<'a> {
     /// True if some signal of the family is requested.
     pub fn asks(&self, family: &[SignalId]) -> bool {
         self.wanted.any(family)
+    }
+
+    /// Classes of objects of which no box is known.
+    pub fn without_boxes(&self) -> &BTreeSet<ObjectClass> {
+        &self.table.without_boxes
     }
 
     /// Number of target rows.
@@ -204,8 +211,8 @@ impl<'a> TableBuilder<'a> {
     /// The finished table: a signal that the log cannot support is listed with the missing data instead. A signal of a
     /// frame that needs objects is unknown in the frames in which nothing observed them. A signal without computed
     /// values is listed with its missing needs, or with all its needs if each of them is present but insufficient. A
-    /// partial signal stays in the table, with its missing needs.
-    pub fn finish(mut self, missing: &BTreeSet<Need>) -> SignalTable {
+    /// partial signal stays in the table, with its missing needs, as does one that needs what is missing `in_part`.
+    pub fn finish(mut self, missing: &BTreeSet<Need>, in_part: Option<Need>) -> SignalTable {
         let (mut unavailable, mut partial) = (BTreeMap::new(), BTreeMap::new());
         for def in self.catalog.iter().filter(|d| !d.scope.is_on_demand() && self.wanted.has(&d.name)) {
             // A bus that never reports a channel lacks it: "AEB never seen active" must not be read as "never active".
@@ -233,6 +240,8 @@ impl<'a> TableBuilder<'a> {
                 self.table.frame_columns.remove(&def.name);
                 self.table.target_columns.remove(&def.name);
                 unavailable.insert(def.name.clone(), lacking);
+            } else if let Some(need) = in_part.filter(|need| def.needs.contains(need)) {
+                partial.insert(def.name.clone(), vec![need]);
             }
         }
         (self.table.unavailable, self.table.partial) = (unavailable, partial);

@@ -3,12 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use whyroad_lake::signals::Range;
+use whyroad_mining::episode::kinds::Kinds;
 use whyroad_mining::fast::Plan;
 use whyroad_mining::fast::plan::PlanRule;
 use whyroad_mining::fast::search::lacking;
 use whyroad_mining::language::program::{NodeId, Op, Subject};
 use whyroad_mining::language::syntax::CompareOp;
-use whyroad_model::Need;
 
 /// Statistics of the signals that a drive has, by name; `None` where the file has none.
 pub type Ranges<'a> = BTreeMap<&'a str, Option<Range>>;
@@ -34,19 +34,15 @@ impl Verdict {
     }
 }
 
-/// Evaluates one rule. `partial`: signals that are known only where other data proves them.
-pub fn verdict(
-    plan: &Plan<'_>,
-    rule: &PlanRule<'_>,
-    ranges: &Ranges<'_>,
-    partial: &BTreeMap<String, Vec<Need>>,
-) -> Verdict {
+/// Evaluates one rule. `kinds`: what is known in part only, or of some objects only.
+pub fn verdict(plan: &Plan<'_>, rule: &PlanRule<'_>, ranges: &Ranges<'_>, kinds: Kinds<'_>) -> Verdict {
     let when = rule.node(rule.rule.when);
     let bounds = Bounds { plan, ranges };
     if !bounds.never(when) {
         return Verdict::Open;
     }
-    let lacking = lacking(rule, |s| ranges.contains_key(s) && !partial.contains_key(s));
+    let shown = kinds.shown_to(rule.rule.subject);
+    let lacking = lacking(rule, |s| ranges.contains_key(s) && shown(s));
     if !lacking.is_empty() {
         return Verdict::Settled(lacking);
     }

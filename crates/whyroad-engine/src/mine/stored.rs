@@ -5,9 +5,10 @@ use super::prefilter::{Verdict, verdict};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
-use whyroad_lake::signals::{Range, StoredColumn, TableKind};
+use whyroad_lake::signals::{Range, StoredColumn, StoredDrive, TableKind};
 use whyroad_lake::{LakeError, SignalFile};
 use whyroad_mining::episode::Found;
+use whyroad_mining::episode::kinds::Kinds;
 use whyroad_mining::fast::bits::Bits;
 use whyroad_mining::fast::numbers::NumberColumn;
 use whyroad_mining::fast::truth::Truth;
@@ -29,10 +30,11 @@ pub fn find_stored(
     let present: BTreeMap<String, bool> =
         ranges.iter().map(|(n, range)| ((*n).to_owned(), known(range))).collect();
     let targets = file.contents().drives[drive].targets.as_slice();
-    let partial = &file.contents().drives[drive].partial;
+    let StoredDrive { partial, without_boxes, .. } = &file.contents().drives[drive];
+    let kinds = Kinds { targets, partial, without_boxes };
 
     let verdicts: Vec<Verdict> =
-        rules.iter().map(|r| verdict(plan, &plan.rules[*r], &ranges, partial)).collect();
+        rules.iter().map(|r| verdict(plan, &plan.rules[*r], &ranges, kinds)).collect();
     let open: BTreeSet<&str> = verdicts.iter().filter_map(Verdict::asks).collect();
     let mut columns = read(file, drive, open)?;
     let mut out: Vec<Option<Found>> = Vec::with_capacity(rules.len());
@@ -57,7 +59,8 @@ pub fn find_stored(
     columns.extend(read(file, drive, wanted)?);
 
     let mut signals = Signals::new(file.times(drive)?, targets, present, columns);
-    signals.partial = partial.keys().cloned().collect();
+    signals.partial = Cow::Borrowed(partial);
+    signals.without_boxes = Cow::Borrowed(without_boxes);
     let search = Search::new(plan, &signals, left);
     let wanted = search.wanted();
     signals.supply(read(file, drive, wanted.iter().map(String::as_str).collect())?);

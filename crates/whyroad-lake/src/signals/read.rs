@@ -186,6 +186,7 @@ impl SignalFile {
             targets: of.targets.clone(),
             unavailable: of.unavailable.clone(),
             partial: of.partial.clone(),
+            without_boxes: of.without_boxes.clone(),
             ..SignalTable::default()
         };
         let all = self.signals(drive);

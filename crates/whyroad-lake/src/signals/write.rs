@@ -43,6 +43,7 @@ fn stored(hash: &str, table: &SignalTable) -> StoredDrive {
         targets: table.targets.clone(),
         unavailable: table.unavailable.clone(),
         partial: table.partial.clone(),
+        without_boxes: table.without_boxes.clone(),
         words: words.collect(),
         ..StoredDrive::default()
     }

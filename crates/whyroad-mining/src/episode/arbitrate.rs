@@ -1,22 +1,24 @@
 //! One primary class per decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
 //!
 //! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
-//! already has its keyframe in the neighborhood. Only two kinds are dropped: an L2's episode that a leaf of the same L2
-//! describes more precisely, and a decision moment (`other`) that some class explains.
+//! already has its keyframe in the neighborhood. Only three kinds are dropped: an L2's episode that a leaf of the same L2
+//! describes more precisely, a second match of one event, and a decision moment (`other`) that some class explains.
 
 use super::{Episode, Rank};
 use crate::interpret::CLOCK_TOLERANCE;
 use crate::rule::Precedence;
 use crate::rule::other::is_decision_moment;
 use std::collections::BTreeMap;
-use whyroad_model::{Nanos, ScenarioId};
+use whyroad_model::messages::EgoResponse;
+use whyroad_model::{FrameRange, Nanos, ScenarioId};
 
-/// Drops episodes that a leaf describes better, orders the rest by keyframe, and ranks it.
+/// Drops episodes that a leaf describes better, joins those of one event, orders the rest by keyframe, and ranks it.
 pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedence) -> Vec<Episode> {
     let mut episodes = without_explained(without_resolved(episodes), times, precedence);
     episodes.sort_by(|a, b| {
         (a.keyframe, &a.scenario, &a.target, a.matched).cmp(&(b.keyframe, &b.scenario, &b.target, b.matched))
     });
+    let mut episodes = joined(episodes);
     // The order of classes is a long list of names: each class is looked up once.
     let mut ranks: BTreeMap<&ScenarioId, usize> = BTreeMap::new();
     let rank = |e| *ranks.entry(e).or_insert_with(|| precedence.rank(e));
@@ -42,6 +44,30 @@ pub fn arbitrate(episodes: Vec<Episode>, times: &[Nanos], precedence: &Precedenc
         }
     }
     episodes
+}
+
+/// Matches of a rule with one target and one time range are one event that was interrupted: the first, in order of
+/// keyframes, stands for it.
+fn joined(episodes: Vec<Episode>) -> Vec<Episode> {
+    let mut out: Vec<Episode> = Vec::with_capacity(episodes.len());
+    for e in episodes {
+        let same = |of: &&mut Episode| {
+            (&of.scenario, &of.target, &of.roles, of.range) == (&e.scenario, &e.target, &e.roles, e.range)
+        };
+        match out.iter_mut().filter(|_| e.target.is_some()).find(same) {
+            Some(first) => {
+                first.matched = FrameRange::new(
+                    first.matched.start.min(e.matched.start),
+                    first.matched.end.max(e.matched.end),
+                );
+                if e.response == EgoResponse::Observed {
+                    first.response = EgoResponse::Observed;
+                }
+            }
+            None => out.push(e),
+        }
+    }
+    out
 }
 
 /// The decision moments that no episode explains; an episode explains a moment near its keyframe or within its time

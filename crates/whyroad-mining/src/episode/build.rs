@@ -1,5 +1,6 @@
 //! One rule on one drive: its matches, and an episode for each that also meets `require` at its keyframe.
 
+use super::kinds::Kinds;
 use super::moment::{Known, Sought, resolve};
 use super::observable::lacking_signals;
 use super::pairs;
@@ -82,7 +83,8 @@ fn missing(rule: &Rule, table: &SignalTable, decided: &Decided) -> BTreeSet<Stri
 
 /// Signals that the rule needs and the drive does not have; none where it can be decided without them.
 pub(crate) fn lacking(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {
-    lacking_signals(rule, &rule.needs(), |s| table.shows_all(s))
+    let shown = Kinds::of(table).shown_to(rule.subject);
+    lacking_signals(rule, &rule.needs(), |s| column(s, table).is_some() && shown(s))
 }
 
 fn absent(rule: &Rule, table: &SignalTable) -> BTreeSet<String> {

@@ -85,7 +85,7 @@ impl<'a> Search<'a> {
 
 /// As in [`crate::episode::find`].
 fn missing(rule: &PlanRule<'_>, signals: &Signals<'_>, decided: Decided) -> BTreeSet<String> {
-    let lacking = lacking(rule, |s| signals.shows_all(s));
+    let lacking = lacking(rule, signals.shown_to(rule.rule.subject));
     if !lacking.is_empty() || !decided.asked || decided.known {
         return lacking;
     }
@@ -105,7 +105,7 @@ fn candidates(evaluation: &Evaluation<'_>, rule: usize) -> Candidates {
     let of = &evaluation.plan.rules[rule];
     let when = of.node(of.rule.when);
     // Where the drive cannot show the class, whether a row is known decides nothing.
-    let blind = !lacking(of, |s| evaluation.signals.shows_all(s)).is_empty();
+    let blind = !lacking(of, evaluation.signals.shown_to(of.rule.subject)).is_empty();
     let mut out = Candidates { rule, matches: Vec::new(), decided: Decided::default() };
     let Some(subject) = of.rule.subject else {
         let truth = evaluation.truth(when, RowSet::Drive);

@@ -4,7 +4,8 @@
 use super::layout::{RowLayout, RowSet};
 use super::numbers::{NumberColumn, Numbers};
 use super::truth::Truth;
-use crate::language::program::PairSide;
+use crate::episode::kinds::Kinds;
+use crate::language::program::{PairSide, Subject};
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,7 +15,7 @@ use std::sync::Arc;
 use whyroad_model::column::UNKNOWN_CODE;
 use whyroad_model::pair::PairTable;
 use whyroad_model::signal::{TargetSpan, is_deviation, is_of_object};
-use whyroad_model::{Column, Nanos, SignalTable, Tri};
+use whyroad_model::{Column, Nanos, Need, ObjectClass, SignalTable, Tri};
 
 /// One signal: a value per frame, or a value per row of the targets' table.
 #[derive(Debug)]
@@ -93,8 +94,10 @@ pub struct Signals<'a> {
     pub targets: Cow<'a, [TargetSpan]>,
     /// Every signal that the drive has, of frames and targets, and whether any of its values is known.
     pub present: BTreeMap<String, bool>,
-    /// Those of them that are known only where other data proves them ([`SignalTable::partial`]).
-    pub partial: BTreeSet<String>,
+    /// As [`SignalTable::partial`].
+    pub partial: Cow<'a, BTreeMap<String, Vec<Need>>>,
+    /// As [`SignalTable::without_boxes`].
+    pub without_boxes: Cow<'a, BTreeSet<ObjectClass>>,
     /// Signals of pairs, where the rules use them.
     pub pairs: Option<&'a PairTable>,
     columns: Columns<'a>,
@@ -113,8 +116,7 @@ impl<'a> Signals<'a> {
     ) -> Self {
         let noisy = Cell::new(has_noise(&columns));
         let (times, targets) = (times.into(), targets.into());
-        let partial = BTreeSet::new();
-        Self { times, targets, present, partial, pairs: None, columns, more: OnceCell::new(), noisy }
+        Self { times, targets, present, columns, noisy, ..Self::default() }
     }
 
     /// All signals of a table, borrowed.
@@ -128,12 +130,20 @@ impl<'a> Signals<'a> {
         let signals = Self::new(table.times.as_slice(), table.targets.as_slice(), present, columns);
         let noisy_pairs = table.pairs.iter().flat_map(|p| p.columns.keys()).any(|name| is_deviation(name));
         signals.noisy.set(signals.noisy.get() || noisy_pairs);
-        Self { pairs: table.pairs.as_ref(), partial: table.partial.keys().cloned().collect(), ..signals }
+        Self {
+            pairs: table.pairs.as_ref(),
+            partial: Cow::Borrowed(&table.partial),
+            without_boxes: Cow::Borrowed(&table.without_boxes),
+            ..signals
+        }
     }
 
-    /// As [`SignalTable::shows_all`].
-    pub fn shows_all(&self, signal: &str) -> bool {
-        self.present.contains_key(signal) && !self.partial.contains(signal)
+    /// Whether the drive has a signal, for all objects that `subject` admits.
+    pub fn shown_to(&self, subject: Option<Subject>) -> impl Fn(&str) -> bool {
+        let kinds =
+            Kinds { targets: &self.targets, partial: &self.partial, without_boxes: &self.without_boxes };
+        let shown = kinds.shown_to(subject);
+        move |signal| self.present.contains_key(signal) && shown(signal)
     }
 
     /// Columns that turned out to be needed as well. Only the first call supplies them.

@@ -180,6 +180,29 @@ fn the_order_of_candidates_changes_nothing() {
     }
 }
 
+/// One person crosses once: a second match with the same time range is the same event. Another range is another one, and
+/// so is another person.
+#[test]
+fn an_interrupted_match_is_one_episode() {
+    let crossing = |target: &str, keyframe, range: (usize, usize), response| Episode {
+        range: FrameRange::new(range.0, range.1),
+        response,
+        ..episode("reactive_agent.vru_crossing", target, keyframe, 0.7)
+    };
+    let all = vec![
+        crossing("p", 50, (50, 122), EgoResponse::Absent),
+        crossing("p", 106, (50, 122), EgoResponse::Observed),
+        crossing("q", 106, (50, 122), EgoResponse::Absent),
+        crossing("p", 300, (300, 340), EgoResponse::Absent),
+    ];
+    let times: Vec<Nanos> = (0..500).map(|i| Nanos(i * 100_000_000)).collect();
+    let found = arbitrate(all, &times, &precedence());
+    let told: Vec<_> = found.iter().map(|e| (e.target.as_ref().unwrap().as_str(), e.keyframe)).collect();
+    assert_eq!(told, [("p", 50), ("q", 106), ("p", 300)]);
+    // The ego answered the second part of it.
+    assert_eq!((found[0].response, found[0].matched), (EgoResponse::Observed, FrameRange::new(50, 126)));
+}
+
 #[test]
 fn an_l2_stays_silent_where_a_leaf_knows_more() {
     let l2 = |target: &str, k| episode("reactive_agent.cutin", target, k, 0.9);

@@ -7,7 +7,8 @@ use whyroad_mining::episode::{Found, find};
 use whyroad_mining::fast::{Plan, Signals, find_all};
 use whyroad_mining::language::program::Subject;
 use whyroad_mining::rule::text::compile_text;
-use whyroad_model::{Column, Nanos, SignalTable, Tri};
+use whyroad_model::signal::TargetSpan;
+use whyroad_model::{Column, FrameRange, Nanos, ObjectClass, SignalTable, Tri};
 use whyroad_signals::Catalog;
 
 /// 10 s at 10 Hz without a bus that states AEB; the ego brakes in `brakes`.
@@ -80,4 +81,38 @@ fn a_test_speaks_for_its_own_condition_only() {
     // The alternative that is left needs the signal all the same.
     let both = "(ego.aeb is known and ego.aeb) or (ego.brake and ego.aeb)";
     assert_eq!(searched(both, &drive(20..40)), (0, lacks()));
+}
+
+/// Two kinds of objects for 10 s, of which only the car has a size: what TTC says of the car, it does not say of the
+/// dog.
+#[test]
+fn a_class_about_one_kind_needs_the_signals_of_that_kind() {
+    let mut table = drive(0..0);
+    let span = |id: &str, class, first_row| TargetSpan {
+        id: id.into(),
+        class,
+        first_row,
+        frames: FrameRange::new(0, 100),
+    };
+    table.targets = vec![span("car", ObjectClass::Car, 0), span("dog", ObjectClass::Animal, 100)];
+    let of = |car: f64, dog: f64| Column::Number([vec![car; 100], vec![dog; 100]].concat());
+    table.target_columns = BTreeMap::from([
+        ("target.ttc".to_owned(), of(20.0, f64::NAN)),
+        ("target.speed".to_owned(), of(5.0, 2.0)),
+    ]);
+    table.without_boxes = [ObjectClass::Animal].into();
+    let missing = |subject, rule: &str, table: &SignalTable| {
+        let class = "safety.near_miss.general".parse().unwrap();
+        let rule = compile_text(rule, Some(subject), &class, Catalog::bundled(), "test").unwrap();
+        let fast = find_all(&Plan::of_rules([&rule]), &Signals::of_table(table)).pop().unwrap();
+        assert_eq!(fast, find(&rule, table));
+        fast.missing.into_iter().collect::<Vec<_>>()
+    };
+    let (dog, rule) = (Subject::Class(ObjectClass::Animal), "target.ttc < 2 s and target.speed > 3 m/s");
+    assert!(missing(Subject::Vehicle, rule, &table).is_empty());
+    // Its speed is known, and low: the condition is known to be false, and it could never be true.
+    assert_eq!(missing(dog, rule, &table), ["target.ttc"]);
+    assert!(missing(dog, "target.speed > 3 m/s", &table).is_empty());
+    // Nobody is there: none was missed.
+    assert!(missing(Subject::Vru, rule, &table).is_empty());
 }

@@ -15,8 +15,7 @@ use whyroad_model::scene::Drive;
 
 /// Half the extent of a box along a direction, m.
 fn reach_along(footprint: &OrientedBox, heading: f64) -> f64 {
-    let angle = wrap(footprint.heading - heading);
-    (footprint.length * angle.cos().abs() + footprint.width * angle.sin().abs()) / 2.0
+    footprint.half_along(P2::from_heading(heading))
 }
 
 /// The ego in its lane in one frame, computed once for all targets.

@@ -8,8 +8,8 @@
 use super::bicycle::on_wheels;
 use crate::geometry::wrap;
 use std::ops::Range;
-use whyroad_model::Drive;
 use whyroad_model::scene::Motion;
+use whyroad_model::{Drive, ObjectClass};
 
 /// Length of the path to which a line is fitted, m: of a car's tightest turn (a radius of 6 m) half a radian, whose
 /// chord has the direction of its middle.
@@ -27,6 +27,11 @@ const SWAPPED_COS: f64 = -0.866;
 /// A stated speed along the heading below this tells no direction, m/s.
 const MOVING_MPS: f64 = 0.5;
 
+/// Drives or rides where it heads; what the source does not name mostly does, too, if it moves on for meters.
+fn drives(class: ObjectClass) -> bool {
+    on_wheels(class) || matches!(class, ObjectClass::EBike | ObjectClass::Unknown)
+}
+
 /// The drive with the headings that its vehicles lack; `None` if they lack none.
 pub(super) fn with_headings(drive: &Drive, seconds: &[f64]) -> Option<Drive> {
     let of_ego = drive.ego.as_ref().and_then(|ego| fill(&ego.motion, seconds));
@@ -34,7 +39,7 @@ pub(super) fn with_headings(drive: &Drive, seconds: &[f64]) -> Option<Drive> {
         .tracks
         .iter()
         .map(|t| {
-            if !on_wheels(t.class) || !lacks(&t.motion) {
+            if !drives(t.class) || !lacks(&t.motion) {
                 return None;
             }
             let own: Vec<f64> = t.frames.iter().map(|&f| seconds[f as usize]).collect();

@@ -10,6 +10,7 @@ use super::noise::{self, LogNoise, Noise};
 use super::objects::{Joined, Measured, append, joined, motion_of, track_of};
 use super::samples;
 use super::smoother::{Deviations, MotionModel, States, smooth};
+use super::walking;
 use super::{complete_motion, forget_impossible, is_stated};
 use std::borrow::Cow;
 use whyroad_model::catalog::id;
@@ -130,20 +131,22 @@ fn keep<T>(all: &mut Vec<T>, stay: &[bool]) {
 }
 
 /// The states of a drive, for its ego and the tracks that are `wanted`; the noise is estimated from all tracks.
-/// Headings that the log lacks are those of the way driven.
+/// Headings that the log lacks are those of the way driven or walked.
 fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<'_> {
     if drive.meta.frame_of_reference == FrameOfReference::Ego {
         return none_of(drive);
     }
     let start = drive.times.first().copied().unwrap_or_default();
     let seconds: Vec<f64> = drive.times.iter().map(|t| t.seconds_since(start)).collect();
-    match course::with_headings(drive, &seconds) {
+    let mut out = match course::with_headings(drive, &seconds) {
         None => estimated_from(drive, &seconds, wanted),
         Some(completed) => {
             let out = estimated_from(&completed, &seconds, wanted);
             Estimated { drive: Cow::Owned(out.drive.into_owned()), ..out }
         }
-    }
+    };
+    walking::add_headings(&mut out, &seconds);
+    out
 }
 
 /// Nothing is estimated.

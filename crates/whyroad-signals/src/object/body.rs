@@ -67,9 +67,9 @@ impl Body {
         OrientedBox::new(self.position[i], self.heading[i], self.length[i], self.width[i])
     }
 
-    /// True when size and heading are known.
+    /// True when its box is known.
     pub fn has_box(&self, i: usize) -> bool {
-        [self.length[i], self.width[i], self.heading[i]].iter().all(|v| v.is_finite())
+        self.footprint(i).is_known()
     }
 
     /// A point of the world in the object's axes, x forward, y left.

@@ -230,7 +230,7 @@ pub struct Surroundings<'a> {
 }
 
 /// The box of a track in a row.
-fn footprint(track: &Track, row: usize) -> OrientedBox {
+pub fn footprint(track: &Track, row: usize) -> OrientedBox {
     let m = &track.motion;
     let center = p2(m.x[row], m.y[row]);
     OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row])

@@ -9,6 +9,7 @@ mod distances;
 mod lane_change_phases;
 mod manoeuvres;
 mod map_parts;
+mod people;
 mod proven_turns;
 mod recorded;
 mod recorded_traps;

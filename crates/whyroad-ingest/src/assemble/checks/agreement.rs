@@ -1,21 +1,52 @@
 //! Stated velocities and headings against the positions: a speed in km/h, a heading in degrees, positions in other
-//! units than meters. Decided over the first seconds of a drive, for the ego and for all vehicles together.
+//! units than meters. Decided over the first seconds of a drive, for the ego and for each kind of object on its own:
+//! what a filter does to the speeds of two cars says nothing about those of people.
 
 use super::{FIRST_FRAMES, warning};
 use crate::assemble::angles::wrap_angle;
 use crate::assemble::frames::median;
 use std::f64::consts::PI;
 use whyroad_model::scene::{Drive, Motion};
-use whyroad_model::{Bilingual, Diagnostic};
+use whyroad_model::{Bilingual, Diagnostic, ObjectClass};
 
-/// Positions are compared over this time, s: noise of 0.3 m at both ends is 0.4 m/s.
-const SPAN_S: f64 = 1.0;
-/// Slower motion is mostly noise, m/s.
-const MOVING_MPS: f64 = 3.0;
+/// Objects whose values are judged together.
+struct Kind {
+    who: Who,
+    /// Positions are compared over this time, s: noise of 0.3 m at both ends is 0.4 m/s in 1 s.
+    span_s: f64,
+    /// Slower motion is mostly noise, m/s.
+    moving_mps: f64,
+    has: fn(ObjectClass) -> bool,
+}
+
+const VEHICLES: Kind =
+    Kind {
+        who: ("其他车辆", "the vehicles"), span_s: 1.0, moving_mps: 3.0, has: |class| class.is_vehicle()
+    };
+const KINDS: [Kind; 3] = [
+    VEHICLES,
+    Kind {
+        who: ("自行车", "the bicycles"),
+        has: |class| matches!(class, ObjectClass::Bicycle | ObjectClass::Bicyclist | ObjectClass::EBike),
+        ..VEHICLES
+    },
+    Kind {
+        who: ("行人", "the people"),
+        span_s: 2.0,
+        moving_mps: 0.8,
+        has: |class| matches!(class, ObjectClass::Pedestrian | ObjectClass::WheeledPedestrian),
+    },
+];
 /// Fewer comparisons are no evidence.
 const LEAST: usize = 10;
 /// A median ratio of stated speed to that of the positions outside of this is another unit, or no speed.
 const RATIO: std::ops::RangeInclusive<f64> = 0.67..=1.5;
+/// Inside of this it may also be the lag of a filter while all speed up or brake. Another unit is the same factor at any
+/// speed: half of the ratios, slow motion included, lie within this share of their median.
+const LAG: std::ops::RangeInclusive<f64> = 0.4..=2.5;
+const CONSTANT: f64 = 0.1;
+/// The least speed of slow motion, as a share of that of motion.
+const SLOW: f64 = 1.0 / 3.0;
 /// A median angle between heading and direction of motion above this is another unit or convention, rad (30 deg);
 /// driving backwards counts as driving forwards.
 const APART_RAD: f64 = PI / 6.0;
@@ -31,6 +62,8 @@ const GRAVITY_WITHIN_MPS2: f64 = 2.0;
 struct Comparison {
     /// Stated speed, by that of the positions.
     ratios: Vec<f64>,
+    /// The same, slow motion included.
+    with_slow: Vec<f64>,
     /// The same of the speed of the bus.
     of_bus: Vec<f64>,
     /// Between the stated velocity and the direction of motion, rad.
@@ -40,11 +73,11 @@ struct Comparison {
 }
 
 impl Comparison {
-    /// Adds the rows of `m`; `seconds` are their times.
-    fn add(&mut self, m: &Motion, seconds: &[f64], bus: &[f64]) {
+    /// Adds the rows of `m`, of an object of this kind; `seconds` are their times.
+    fn add(&mut self, kind: &Kind, m: &Motion, seconds: &[f64], bus: &[f64]) {
         let mut end = 0;
         for i in 0..m.len().min(seconds.len()) {
-            while end < seconds.len() && seconds[end] < seconds[i] + SPAN_S - 1e-3 {
+            while end < seconds.len() && seconds[end] < seconds[i] + kind.span_s - 1e-3 {
                 end += 1;
             }
             if end >= seconds.len().min(m.len()) {
@@ -52,7 +85,10 @@ impl Comparison {
             }
             let (dx, dy) = (m.x[end] - m.x[i], m.y[end] - m.y[i]);
             let speed = dx.hypot(dy) / (seconds[end] - seconds[i]);
-            if speed.is_nan() || speed <= MOVING_MPS || seconds[end] - seconds[i] > 2.0 * SPAN_S {
+            if speed.is_nan()
+                || speed <= SLOW * kind.moving_mps
+                || seconds[end] - seconds[i] > 2.0 * kind.span_s
+            {
                 continue;
             }
             let middle = (i + end) / 2;
@@ -62,6 +98,12 @@ impl Comparison {
                 if vector.is_nan() { m.forward.get(k).map_or(f64::NAN, |v| v.abs()) } else { vector }
             });
             if stated.is_finite() {
+                self.with_slow.push(stated / speed);
+            }
+            if speed <= kind.moving_mps {
+                continue;
+            }
+            if stated.is_finite() {
                 self.ratios.push(stated / speed);
             }
             let bus = mean(&|k| bus.get(k).copied().unwrap_or(f64::NAN));
@@ -70,7 +112,7 @@ impl Comparison {
             }
             let course = dy.atan2(dx);
             let turned = wrap_angle(m.vy[middle].atan2(m.vx[middle]) - course).abs();
-            if turned.is_finite() && m.speed(middle) > MOVING_MPS {
+            if turned.is_finite() && m.speed(middle) > kind.moving_mps {
                 self.of_velocity.push(turned);
             }
             let angle = wrap_angle(m.heading[i] - course).abs();
@@ -90,6 +132,15 @@ fn is_other_unit(ratio: f64) -> bool {
     !RATIO.contains(&ratio)
 }
 
+/// The median ratio, where it is that of another unit, or of no speed at all.
+fn wrong_ratio(ratios: &[f64], with_slow: &[f64]) -> Option<f64> {
+    let ratio = wrong_median(ratios, is_other_unit)?;
+    let of_slow = median(with_slow);
+    let near = with_slow.iter().filter(|r| (*r - of_slow).abs() <= CONSTANT * of_slow).count();
+    let is_constant = is_other_unit(of_slow) && 2 * near >= with_slow.len();
+    (is_constant || !LAG.contains(&ratio)).then_some(ratio)
+}
+
 /// Whose values are compared. Chinese and English.
 type Who = (&'static str, &'static str);
 
@@ -104,7 +155,7 @@ struct Verdict {
 impl Verdict {
     fn of(c: &Comparison, who: Who) -> Self {
         let is_apart = |angle: f64| angle > APART_RAD;
-        let ratio = wrong_median(&c.ratios, is_other_unit);
+        let ratio = wrong_ratio(&c.ratios, &c.with_slow);
         let turned = wrong_median(&c.of_velocity, is_apart).filter(|_| ratio.is_none());
         let headed = wrong_median(&c.angles, is_apart);
         let diagnostics = [
@@ -146,12 +197,12 @@ pub(super) fn of_ego(drive: &mut Drive) -> Vec<Diagnostic> {
     let seconds = first_seconds(drive);
     if let Some(ego) = &mut drive.ego {
         let mut of = Comparison::default();
-        of.add(&ego.motion, &seconds, &ego.bus.speed_mps);
+        of.add(&VEHICLES, &ego.motion, &seconds, &ego.bus.speed_mps);
         let verdict = Verdict::of(&of, ("自车", "the ego"));
         verdict.forget(&mut ego.motion);
         out.extend(verdict.diagnostics);
         out.extend(with_gravity(&mut ego.bus.vertical_accel, seconds.len()));
-        if let Some(ratio) = wrong_median(&of.of_bus, is_other_unit) {
+        if let Some(ratio) = wrong_ratio(&of.of_bus, &of.of_bus) {
             ego.bus.speed_mps = Vec::new();
             out.push(speeds(("车辆总线", "the vehicle bus"), ratio));
         }
@@ -159,19 +210,39 @@ pub(super) fn of_ego(drive: &mut Drive) -> Vec<Diagnostic> {
     out
 }
 
-/// The same of all objects together; positions have to be over ground.
+/// The same of each kind of object; positions have to be over ground. Objects of which too little can be compared share
+/// the fault of all the others.
 pub(super) fn of_objects(drive: &mut Drive) -> Vec<Diagnostic> {
     let seconds = first_seconds(drive);
     let first = seconds.len();
-    let mut of = Comparison::default();
-    for track in drive.tracks.iter().filter(|t| t.class.is_vehicle()) {
-        let rows = track.frames.partition_point(|&f| (f as usize) < first);
-        let times: Vec<f64> = track.frames[..rows].iter().map(|&f| seconds[f as usize]).collect();
-        of.add(&track.motion, &times, &[]);
+    let judge = |kind: &Kind| {
+        let mut of = Comparison::default();
+        for track in drive.tracks.iter().filter(|t| (kind.has)(t.class)) {
+            let rows = track.frames.partition_point(|&f| (f as usize) < first);
+            let times: Vec<f64> = track.frames[..rows].iter().map(|&f| seconds[f as usize]).collect();
+            of.add(kind, &track.motion, &times, &[]);
+        }
+        let judged = [&of.ratios, &of.angles].map(|values| values.len() >= LEAST);
+        (Verdict::of(&of, kind.who), judged)
+    };
+    let verdicts = KINDS.each_ref().map(judge);
+    let all = |fault: fn(&Verdict) -> bool, column: usize| {
+        let mut judged = verdicts.iter().filter(|(_, judged)| judged[column]).peekable();
+        judged.peek().is_some() && judged.all(|(verdict, _)| fault(verdict))
+    };
+    let (velocity, heading) = (all(|v| v.velocity, 0), all(|v| v.heading, 1));
+    for track in &mut drive.tracks {
+        let own = KINDS.iter().position(|kind| (kind.has)(track.class)).map(|k| &verdicts[k]);
+        let judged = own.map_or([false; 2], |(_, judged)| *judged);
+        let of = |fault: fn(&Verdict) -> bool| own.is_some_and(|(verdict, _)| fault(verdict));
+        let verdict = Verdict {
+            velocity: if judged[0] { of(|v| v.velocity) } else { velocity },
+            heading: if judged[1] { of(|v| v.heading) } else { heading },
+            diagnostics: Vec::new(),
+        };
+        verdict.forget(&mut track.motion);
     }
-    let verdict = Verdict::of(&of, ("其他目标", "the objects"));
-    drive.tracks.iter_mut().for_each(|t| verdict.forget(&mut t.motion));
-    verdict.diagnostics
+    verdicts.into_iter().flat_map(|(verdict, _)| verdict.diagnostics).collect()
 }
 
 /// Sets stated yaw rates that the headings contradict to unknown.

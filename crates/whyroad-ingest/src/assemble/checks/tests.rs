@@ -339,6 +339,72 @@ fn speeds_in_another_unit_are_not_used() {
     assert!(d.tracks[0].motion.forward.is_empty() && d.ego.unwrap().bus.speed_mps.is_empty());
 }
 
+/// Ten seconds with two cars and a person beside them: places by time, and stated speeds.
+fn with_walker(place: impl Fn(f64) -> f64, stated: impl Fn(f64) -> f64, walks_mps: f64) -> Drive {
+    let mut d = drive();
+    let n = 100;
+    let motion = |y: f64, place: &dyn Fn(f64) -> f64, stated: &dyn Fn(f64) -> f64| Motion {
+        x: (0..n).map(|i| place(i as f64 / 10.0)).collect(),
+        y: vec![y; n],
+        vx: (0..n).map(|i| stated(i as f64 / 10.0)).collect(),
+        vy: vec![0.0; n],
+        ..Motion::unknown(n)
+    };
+    d.times = (0..n).map(|i| Nanos(1_700_000_000_000_000_000 + i as i64 * 100_000_000)).collect();
+    d.ego.as_mut().unwrap().motion = motion(0.0, &|t| 10.0 * t, &|_| 10.0);
+    let track = |id: &str, class, motion| Track {
+        id: id.into(),
+        class,
+        frames: (0..n as u32).collect(),
+        motion,
+        length_m: vec![f64::NAN; n],
+        width_m: vec![f64::NAN; n],
+        height_m: vec![f64::NAN; n],
+        interior_points: vec![f64::NAN; n],
+        ..Track::default()
+    };
+    d.tracks = vec![
+        track("a", ObjectClass::Car, motion(10.0, &place, &stated)),
+        track("b", ObjectClass::Car, motion(20.0, &place, &stated)),
+        track("p", ObjectClass::Pedestrian, motion(30.0, &|t| 1.4 * t, &|_| walks_mps)),
+    ];
+    d
+}
+
+/// Two cars go 2 m/s for 5 s and then speed up at 1.5 m/s2; a filter with a time constant of 2 s is behind by
+/// 1.5 * 2 * (1 - exp(-t / 2)): at 3.5 to 8 m/s it states 0.62 to 0.68 of the speed. That is a lag and no other unit,
+/// which would be the same at 2 m/s, and says nothing about who walks.
+#[test]
+fn the_lag_of_a_filter_is_no_other_unit() {
+    let after = |t: f64| (t - 5.0).max(0.0);
+    let place = |t: f64| 2.0 * t + 0.75 * after(t).powi(2);
+    let stated = |t: f64| 2.0 + 1.5 * after(t) - 3.0 * (1.0 - (-after(t) / 2.0).exp());
+    let mut d = with_walker(place, stated, 1.4);
+    assert!(codes(&mut d).is_empty());
+    assert!(d.tracks.iter().all(|t| t.motion.vx.iter().all(|v| v.is_finite())));
+}
+
+/// A wrong unit of one kind of object (mph: 2.237) leaves the right speeds of the others, and one of people is found.
+#[test]
+fn each_kind_of_object_is_judged_by_its_own() {
+    let lost = |d: &Drive| d.tracks.iter().map(|t| t.motion.vx[50].is_nan()).collect::<Vec<_>>();
+    let mut d = with_walker(|t| 8.0 * t, |_| 8.0 * 2.237, 1.4);
+    let found = check(&mut d);
+    assert!(found.len() == 1 && found[0].message.en.contains("the vehicles"), "{found:?}");
+    assert_eq!(lost(&d), [true, true, false]);
+    let mut d = with_walker(|t| 8.0 * t, |_| 8.0, 1.4 * 3.6);
+    let found = check(&mut d);
+    assert!(found.len() == 1 && found[0].message.en.contains("the people"), "{found:?}");
+    assert_eq!(lost(&d), [false, false, true]);
+    // A cone moves too little to be compared: it shares the fault of all.
+    for (walks, shared) in [(1.4, false), (1.4 * 2.237, true)] {
+        let mut d = with_walker(|t| 8.0 * t, |_| 8.0 * 2.237, walks);
+        d.tracks.push(Track { id: "c".into(), class: ObjectClass::Cone, ..d.tracks[2].clone() });
+        check(&mut d);
+        assert_eq!(lost(&d)[3], shared);
+    }
+}
+
 /// A speedometer is a few percent off, and a car that turns or drives backwards heads elsewhere than it goes.
 #[test]
 fn speeds_and_headings_that_differ_a_little_are_used() {
