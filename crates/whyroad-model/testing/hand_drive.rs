@@ -125,6 +125,7 @@ pub(crate) fn signals(drive: &Drive) -> SignalTable {
         .into(),
         unavailable: [("light.state".to_owned(), vec![Need::TrafficLights])].into(),
         partial: [].into(),
+        without_boxes: [].into(),
         pairs: None,
     }
 }

@@ -127,6 +127,7 @@ pub(crate) fn one() -> SignalTable {
         target_columns: columns("target", &rows),
         unavailable: BTreeMap::new(),
         partial: BTreeMap::new(),
+        without_boxes: [].into(),
         pairs: None,
     }
 }

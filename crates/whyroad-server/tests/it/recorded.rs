@@ -1,7 +1,7 @@
 //! A hand-made recorded drive, in two versions that are equal up to the keyframe and differ in everything after it;
 //! with signals and drafts that depend on *all* of the given drive, so that a missing cut is detected.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use whyroad_label::check::Recorded as CheckedDrive;
@@ -285,6 +285,7 @@ impl Recordings for Recorded {
             target_columns: [("target.gap".to_owned(), number(vec![gap; n]))].into(),
             unavailable: BTreeMap::new(),
             partial: BTreeMap::new(),
+            without_boxes: BTreeSet::new(),
             pairs: None,
         }
     }

@@ -131,6 +131,7 @@ pub fn table() -> impl Strategy<Value = SignalTable> {
             SignalTable {
                 drive_id: "random".into(),
                 partial,
+                without_boxes: [].into(),
                 frame_columns,
                 target_columns,
                 pairs: paired.then(|| pairs_of(&targets, &of_pairs, skip)),
