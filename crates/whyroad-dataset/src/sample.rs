@@ -86,8 +86,8 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// False for a text of another tool (`whyroad labels import`), whose decision is unknown: no change of decision is a
-    /// decision, too, but it has a cause, and such a text has none.
+    /// False for a text of another tool (`whyroad labels import`), whose decision is unknown: no change of decision is
+    /// a decision, too, but it has a cause, and such a text has none.
     pub fn states_decision(&self) -> bool {
         self.longitudinal.is_some() || self.lateral.is_some() || !self.components.is_empty()
     }

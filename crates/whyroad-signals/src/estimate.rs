@@ -41,7 +41,7 @@ mod walking;
 pub use derived::add_derived;
 pub(crate) use estimated::estimated_at_the_end;
 pub use estimated::{DriveNoise, Estimated, estimated, noise};
-pub(crate) use sizes::{usual_size, with_possible_sizes};
+pub(crate) use sizes::{footprint, usual_size, with_possible_sizes};
 
 pub use noise::{LogNoise, Noise};
 pub use objects::Joined;

@@ -1,7 +1,6 @@
 //! The data that signals need and a log lacks.
 
-use crate::estimate::usual_size;
-use crate::target::placement::footprint;
+use crate::estimate::{footprint, usual_size};
 use std::collections::BTreeSet;
 use whyroad_model::road_map::{Lane, LaneMark, MapLayer};
 use whyroad_model::scene::{FrameOfReference, Track};

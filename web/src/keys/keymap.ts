@@ -151,8 +151,8 @@ export type Focus = "text" | "undone" | "list" | "choice" | "radio" | "button" |
 
 /**
  * Does the focused element need this stroke itself? Text and lists need all that types; the others what operates them.
- * A radio button is chosen by the arrows up and down or by its own key: what plays and steps goes to the player, so that who
- * looks at the frames does not change a decision.
+ * A radio button is chosen by the arrows up and down or by its own key: what plays and steps goes to the player, so
+ * that who looks at the frames does not change a decision.
  */
 export function fieldKeeps(focus: Focus, stroke: string, action: ActionId): boolean {
   // With a key of its own that types, undo would take a character from the text.

@@ -165,14 +165,15 @@ fn a_budget_of_tokens_stops_and_the_cost_is_reported() {
         ..settings(&endpoint)
     };
     let client = Client::new(limited).unwrap();
-    for text in ["a", "b", "c"] {
+    for text in ["a", "b"] {
         assert_eq!(client.ask(&request(text), number).unwrap().value, 5);
     }
-    assert!(matches!(client.ask(&request("d"), number), Err(ChatError::Budget(_))));
+    // Nobody knows how many tokens the second one took.
+    assert!(matches!(client.ask(&request("c"), number), Err(ChatError::Budget(_))));
     let spent = client.spent();
-    // Two counted answers of 100 and 20 tokens: (200 x 1 + 40 x 5) / 1e6.
-    assert_eq!((spent.input_tokens, spent.output_tokens, spent.answers_without_count), (200, 40, 1));
-    assert!((spent.cost.unwrap() - 4e-4).abs() < 1e-12);
+    // A counted answer of 100 and 20 tokens: (100 x 1 + 20 x 5) / 1e6.
+    assert_eq!((spent.input_tokens, spent.output_tokens, spent.answers_without_count), (100, 20, 1));
+    assert!((spent.cost.unwrap() - 2e-4).abs() < 1e-12);
 }
 
 #[test]

@@ -49,8 +49,9 @@ pub struct Merged {
     pub failed: Vec<Failed>,
 }
 
-/// Merges parts into the mined folder `out`, with the framework and all of its rules. Returns diagnostics instead of a result if drives are missing, doubled or
-/// different; then nothing is written. With `replace`, results of another question may be in `out`.
+/// Merges parts into the mined folder `out`, with the framework and all of its rules. Returns diagnostics instead of a
+/// result if drives are missing, doubled or different; then nothing is written. With `replace`, results of another
+/// question may be in `out`.
 pub fn merge(
     parts: &[PathBuf],
     expected: Expected<'_>,

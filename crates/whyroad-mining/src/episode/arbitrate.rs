@@ -1,7 +1,7 @@
 //! One primary class per decision (LABELING.md 1, MECE), by the order of `schema/precedence.yaml`.
 //!
-//! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary
-//! already has its keyframe in the neighborhood. Only three kinds are dropped: an L2's episode that a leaf of the same L2
+//! Episodes are taken from the most to the least preferred; each becomes primary unless one that is primary already
+//! has its keyframe in the neighborhood. Only three kinds are dropped: an L2's episode that a leaf of the same L2
 //! describes more precisely, a second match of one event, and a decision moment (`other`) that some class explains.
 
 use super::{Episode, Rank};

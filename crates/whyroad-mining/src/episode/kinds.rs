@@ -1,4 +1,5 @@
-//! What a drive shows of the kind of object that a rule is about. Cars with sizes say nothing of animals that have none.
+//! What a drive shows of the kind of object that a rule is about. Cars with sizes say nothing of animals that have
+//! none.
 
 use crate::language::program::Subject;
 use std::collections::{BTreeMap, BTreeSet};

@@ -180,8 +180,8 @@ fn the_order_of_candidates_changes_nothing() {
     }
 }
 
-/// One person crosses once: a second match with the same time range is the same event. Another range is another one, and
-/// so is another person.
+/// One person crosses once: a second match with the same time range is the same event. Another range is another one,
+/// and so is another person.
 #[test]
 fn an_interrupted_match_is_one_episode() {
     let crossing = |target: &str, keyframe, range: (usize, usize), response| Episode {

@@ -145,7 +145,7 @@ fn estimated_of(drive: &Drive, wanted: impl Fn(&Measured) -> bool) -> Estimated<
             Estimated { drive: Cow::Owned(out.drive.into_owned()), ..out }
         }
     };
-    walking::add_headings(&mut out, &seconds);
+    walking::add_headings(&mut out.drive, &mut out.tracks, &seconds);
     out
 }
 

@@ -3,6 +3,7 @@
 //! much the same size: where a log states none of theirs (drone data), they have the usual one, whatever else it has.
 //! Vehicles differ by more than the distances that matter, and so do animals: theirs stay unknown.
 
+use crate::geometry::{OrientedBox, p2, wrap};
 use std::borrow::Cow;
 use whyroad_model::scene::Track;
 use whyroad_model::{Drive, ObjectClass};
@@ -58,6 +59,13 @@ pub(crate) fn with_possible_sizes(drive: &Drive) -> Cow<'_, Drive> {
         track.length_m.iter_mut().chain(&mut track.width_m).for_each(unknown);
     }
     Cow::Owned(drive)
+}
+
+/// The box of a track in a row.
+pub(crate) fn footprint(track: &Track, row: usize) -> OrientedBox {
+    let m = &track.motion;
+    let center = p2(m.x[row], m.y[row]);
+    OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row])
 }
 
 #[cfg(test)]

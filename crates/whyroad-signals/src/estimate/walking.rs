@@ -1,11 +1,12 @@
 //! Headings of people and animals in a log that states none, from their estimated motion: they may move any way, and
 //! head where they go. Who stands heads where they went before; who has not gone yet has no heading.
 
-use super::estimated::Estimated;
 use super::kinematics;
+use super::smoother::Deviations;
+use std::borrow::Cow;
 use std::f64::consts::PI;
-use whyroad_model::ObjectClass;
 use whyroad_model::scene::{Motion, Track};
+use whyroad_model::{Drive, ObjectClass};
 
 /// Slower, nobody is known to go where they head, m/s.
 const WALKS_MPS: f64 = 0.3;
@@ -18,12 +19,17 @@ fn lacks_heading(track: &Track) -> bool {
     may_go_any_way(track.class) && !track.motion.heading.iter().any(|h| h.is_finite())
 }
 
-/// Adds these headings, with what follows from them; `seconds` are the times of the frames.
-pub(super) fn add_headings(of: &mut Estimated<'_>, seconds: &[f64]) {
-    if !of.drive.tracks.iter().any(lacks_heading) {
+/// Adds these headings, with what follows from them; `deviations` are those of the tracks, `seconds` the times of the
+/// frames.
+pub(super) fn add_headings(
+    drive: &mut Cow<'_, Drive>,
+    deviations: &mut [Option<Deviations>],
+    seconds: &[f64],
+) {
+    if !drive.tracks.iter().any(lacks_heading) {
         return;
     }
-    for (track, sd) in of.drive.to_mut().tracks.iter_mut().zip(&mut of.tracks) {
+    for (track, sd) in drive.to_mut().tracks.iter_mut().zip(deviations) {
         if !lacks_heading(track) {
             continue;
         }

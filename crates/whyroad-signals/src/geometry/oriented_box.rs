@@ -23,8 +23,8 @@ pub struct OrientedBox {
     radius: f64,
 }
 
-/// A box with sides of at most this, m, which differ by at most that, m, is nearly round, as that of a person: where its
-/// heading is unknown, any will do. A square of 0.5 m reaches 0.10 m further at its corners than at its sides.
+/// A box with sides of at most this, m, which differ by at most that, m, is nearly round, as that of a person: where
+/// its heading is unknown, any will do. A square of 0.5 m reaches 0.10 m further at its corners than at its sides.
 const SMALL_M: f64 = 1.0;
 const ROUND_M: f64 = 0.3;
 

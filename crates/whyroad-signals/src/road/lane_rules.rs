@@ -256,8 +256,8 @@ fn write_special(
     }
 }
 
-/// Writes `map.bus_lane`, `tidal_lane`, `variable_lane`, `lane_kind`, `lane_turns`, `left_mark`, `right_mark`, `left_lane`, `right_lane`, `on_guidance` and the
-/// limits.
+/// Writes `map.bus_lane`, `tidal_lane`, `variable_lane`, `lane_kind`, `lane_turns`, `left_mark`, `right_mark`,
+/// `left_lane`, `right_lane`, `on_guidance` and the limits.
 pub fn write(on: &OnRoad<'_>, table: &mut TableBuilder<'_>) {
     write_limits(on, table);
     let frames = || 0..on.frames();

@@ -168,8 +168,8 @@ fn same_direction(a: &LaneShape, b: &LaneShape) -> bool {
 
 impl Road {
     /// How far a lane is from the straightest way on for a vehicle that comes from `from`: absolute change of
-    /// direction, rad, from its start to its end or, in a junction, to the end of the last piece of one way there (maps split ways
-    /// where vehicles wait); a full turn more for lanes in which it may not drive.
+    /// direction, rad, from its start to its end or, in a junction, to the end of the last piece of one way there
+    /// (maps split ways where vehicles wait); a full turn more for lanes in which it may not drive.
     pub fn turn_of(&self, lane: usize, from: usize) -> f64 {
         let mut last = &self.lanes[lane];
         for _ in 0..MOST_PIECES {

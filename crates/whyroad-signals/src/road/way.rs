@@ -30,7 +30,8 @@ pub struct Way {
     pub ends: bool,
 }
 
-/// The one of the lanes after `last` to take: the first on the later route, else the first beside it, else the straightest.
+/// The one of the lanes after `last` to take: the first on the later route, else the first beside it, else the
+/// straightest.
 fn choose(road: &Road, last: usize, coming: &[usize]) -> Option<usize> {
     let rank = |&lane: &usize| {
         let on = coming.iter().position(|&l| l == lane);

@@ -2,7 +2,7 @@
 //! driven path, and along and beside the ego's lane.
 
 use crate::ego::motion::{EgoMotion, STANDSTILL_RELEASE_MPS, STANDSTILL_SET_MPS, given_or_slope};
-use crate::estimate::Deviations;
+use crate::estimate::{Deviations, footprint};
 use crate::geometry::{LastPlace, OrientedBox, P2, p2, wrap};
 use crate::road::ego_lane::EgoLane;
 use crate::road::network::{DEFAULT_HALF_WIDTH_M, Road};
@@ -227,13 +227,6 @@ pub struct Surroundings<'a> {
     still_since: Vec<usize>,
     /// By frame: the ego on its path and its lane; `None` while its pose is unknown.
     own: Vec<Option<EgoOnLines<'a>>>,
-}
-
-/// The box of a track in a row.
-pub fn footprint(track: &Track, row: usize) -> OrientedBox {
-    let m = &track.motion;
-    let center = p2(m.x[row], m.y[row]);
-    OrientedBox::new(center, wrap(m.heading[row]), track.length_m[row], track.width_m[row])
 }
 
 /// Velocity along the heading and speed of each row, m/s.

@@ -41,8 +41,8 @@ const KINDS: [Kind; 3] = [
 const LEAST: usize = 10;
 /// A median ratio of stated speed to that of the positions outside of this is another unit, or no speed.
 const RATIO: std::ops::RangeInclusive<f64> = 0.67..=1.5;
-/// Inside of this it may also be the lag of a filter while all speed up or brake. Another unit is the same factor at any
-/// speed: half of the ratios, slow motion included, lie within this share of their median.
+/// Inside of this it may also be the lag of a filter while all speed up or brake. Another unit is the same factor at
+/// any speed: half of the ratios, slow motion included, lie within this share of their median.
 const LAG: std::ops::RangeInclusive<f64> = 0.4..=2.5;
 const CONSTANT: f64 = 0.1;
 /// The least speed of slow motion, as a share of that of motion.

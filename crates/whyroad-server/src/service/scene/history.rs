@@ -27,8 +27,8 @@ pub(super) fn withhold_uncertain(view: &mut SceneView) {
     jerk.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(v, _)| *v = Value::Null);
 }
 
-/// Distances along the ego's way. Beyond the end of the drive its way is assumed to lead along the lane: what it has not
-/// reached there may be nearer or farther.
+/// Distances along the ego's way. Beyond the end of the drive its way is assumed to lead along the lane: what it has
+/// not reached there may be nearer or farther.
 const AHEAD: [&str; 4] = [
     "map.distance_to_junction",
     "map.distance_to_crosswalk",

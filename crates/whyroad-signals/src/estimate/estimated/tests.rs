@@ -185,8 +185,8 @@ fn a_row_that_is_not_known_yet_goes_on_from_the_last_one() {
 }
 
 /// A log whose rows are 0.1 s apart by their times and now and then 0.12 s apart by their poses, as ego poses of
-/// nuScenes in ScenarioNet pickles are, with the velocities that follow from both. By hand: 8 m/s, slowing by 0.5 m/s2; a row
-/// that is 0.02 s late reads 1.6 m/s too fast. Cut at each such row, as for Stage I.
+/// nuScenes in ScenarioNet pickles are, with the velocities that follow from both. By hand: 8 m/s, slowing by 0.5
+/// m/s2; a row that is 0.02 s late reads 1.6 m/s too fast. Cut at each such row, as for Stage I.
 #[test]
 fn a_row_of_another_time_is_no_burst_of_speed() {
     let late = [17, 26, 50, 54];
