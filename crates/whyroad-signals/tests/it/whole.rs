@@ -56,6 +56,7 @@ fn tell_the_road(d: &mut Drive) {
         (lane.left_mark, lane.right_mark) = (LaneMark::Dashed, LaneMark::Solid);
     }
     map.lanes[0].tags = vec!["acceleration".into()];
+    map.complete_for = ["bus_lane", "tidal", "variable"].map(str::to_owned).into();
     for (i, kind) in FACILITY_KINDS.iter().enumerate() {
         let (x, half) = (20.3 + 7.0 * i as f64, 2.0);
         let boundary =
